@@ -28,6 +28,7 @@ mod local;
 mod mesh_error;
 mod meshed;
 mod monitors;
+mod oscillation;
 mod phase;
 mod phase_response;
 mod profiles;

@@ -1,70 +1,28 @@
 //! Periodic solutions as closed curves.
 
 use super::discretisation::DiscretisedProblem;
+use super::oscillation::Oscillation;
 use super::solutions::Solutions;
 use super::start::discretisation_of;
 use super::work::Work;
-use crate::core::bvp::erased::Number;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
-use crate::core::linalg::largest;
-use crate::core::numerics::node_weights;
-use crate::core::problem::FieldIn;
 use crate::core::system::Solution;
 
 /// Heuristic: the number of phases that are tried before the best phase is refined.
 const PHASES: usize = 64;
 
-/// Heuristic: two oscillations count as having different shapes if the absolute value of their
-/// correlation is smaller than this bound.
-const ALIKE: f64 = 0.9;
-
-/// Discretisation: a state counts as constant if its oscillation, relative to the largest value of
-/// any state, is smaller than this bound.
-const STILL: f64 = 1e-9;
-
 impl Solutions {
     /// Computes the amplitude of a cycle about its mean, relative to the amplitude of the last
-    /// accepted cycle.
+    /// accepted cycle; `None` for solutions other than autonomous cycles, and for cycles that cannot
+    /// be integrated.
     pub fn amplitude(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
         if !(layout.phase && layout.closes()) || self.phase.reference.len() != x.len() {
             return None;
         }
-        let s = &layout.segments[0];
-        if s.nodes == 2 {
-            return Some(self.amplitude_of_motion(x));
-        }
-        let (weights, reference) = (time_weights(&self.equations), &self.phase.reference);
-        let of_state = |state: usize| {
-            let values = s.values + state * s.nodes..s.values + (state + 1) * s.nodes;
-            let (x, r) = (
-                about_mean(&x[values.clone()], &weights),
-                about_mean(&reference[values], &weights),
-            );
-            let size = largest(&r);
-            let value = reference[s.values + state * s.nodes].abs();
-            let product = |a: &[f64], b: &[f64]| -> f64 {
-                a.iter().zip(b).zip(&weights).map(|((a, b), w)| a * b * w).sum()
-            };
-            (size, value, [product(&x, &r), product(&r, &r), product(&x, &x)])
-        };
-        let states: Vec<(f64, f64, [f64; 3])> = (0..s.states).map(of_state).collect();
-        let largest = states.iter().fold(0.0, |most: f64, state| most.max(state.0).max(state.1));
-        let mut sums = [0.0; 3];
-        for (size, _, products) in states.into_iter().filter(|state| state.0 > STILL * largest) {
-            sums.iter_mut().zip(products).for_each(|(sum, part)| *sum += part / (size * size));
-        }
-        Some(signed(sums))
-    }
-
-    /// Computes the amplitude of a cycle that is discretised by single shooting; the amplitude is
-    /// computed from the vector field at the cycle's start, because both nodes have the same state.
-    /// The phase condition keeps the start of the cycle on a line through the equilibrium.
-    fn amplitude_of_motion(&self, x: &[f64]) -> f64 {
-        let [own, reference] = [x, &self.phase.reference].map(|x| first_motion(&self.equations, x));
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum();
-        signed([product(&own, &reference), product(&reference, &reference), product(&own, &own)])
+        let own = Oscillation::of(&self.equations, x)?;
+        Some(own.amplitude(self.phase.oscillation.as_ref()?))
     }
 
     /// Returns the period of a cycle; `None` if a forcing prescribes the period.
@@ -106,32 +64,6 @@ impl Solutions {
         }
         Ok(images)
     }
-}
-
-/// Returns the vector field at the start of the first segment.
-fn first_motion(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
-    let (layout, s) = (&equations.layout, &equations.layout.segments[0]);
-    let start: Vec<f64> = (0..s.states).map(|i| x[s.values + i * s.nodes]).collect();
-    let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
-    let mut motion = vec![0.0; s.states];
-    let field = f64::residual(&*equations.problem).on_segment(0, &q);
-    field.slope(0.0, &start, &q, &mut motion);
-    motion
-}
-
-/// Returns the signed amplitude of an oscillation relative to a reference oscillation, from the
-/// inner product of the two oscillations, the squared norm of the reference, and the squared norm
-/// of the oscillation. When a branch of cycles passes an equilibrium, the oscillation changes sign,
-/// and so does its correlation with the reference oscillation. The absolute value of the amplitude
-/// comes from the oscillation's own norm, because the inner product can also vanish if the phases
-/// of the two oscillations differ.
-fn signed([product, whole, own]: [f64; 3]) -> f64 {
-    if whole == 0.0 {
-        return 0.0;
-    }
-    let amplitude = (own / whole).sqrt();
-    let opposite = product < -ALIKE * (own * whole).sqrt();
-    if opposite { -amplitude } else { amplitude }
 }
 
 /// A saved solution on its own meshes.
@@ -221,26 +153,6 @@ impl Saved {
             equations.value(work, (segment + turn) % count, tau, out)
         })
     }
-}
-
-/// Returns the weights of the values at the nodes of the first segment in a quadrature over its
-/// time.
-fn time_weights(equations: &DiscretisedProblem) -> Vec<f64> {
-    let (m, weights) = (equations.layout.degree, node_weights(equations.method.places()));
-    let mesh: &Mesh = &equations.meshes[0];
-    let mut sums = vec![0.0; mesh.intervals() * m + 1];
-    for (j, ends) in mesh.points().windows(2).enumerate() {
-        let nodes = sums[j * m..=(j + 1) * m].iter_mut();
-        nodes.zip(&weights).for_each(|(sum, weight)| *sum += (ends[1] - ends[0]) * weight);
-    }
-    sums
-}
-
-/// Subtracts the weighted mean of all values from each value.
-fn about_mean(values: &[f64], weights: &[f64]) -> Vec<f64> {
-    let whole: f64 = weights.iter().sum();
-    let mean = values.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / whole;
-    values.iter().map(|x| x - mean).collect()
 }
 
 /// Reduces a time to one period, by subtracting whole periods.

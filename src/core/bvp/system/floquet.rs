@@ -134,7 +134,7 @@ impl Floquet {
         }
         // At a Hopf point the motion at the start vanishes; the reference contains the motion of the
         // emanating orbits.
-        let reference = of.phase.row.iter().take(n).copied().collect();
+        let reference = of.phase.motion.clone();
         let mut motions = [of.motion_at(0), reference];
         let mut units = of.assembled.units.clone();
         units.resize(n.max(units.len()), 1.0);

@@ -54,7 +54,7 @@ impl LeadingMultipliers {
         }
         // At a Hopf point the motion at the start vanishes; the reference contains the motion of the
         // emanating orbits.
-        let reference = of.phase.row.iter().take(n).copied().collect();
+        let reference = of.phase.motion.clone();
         for mut motion in [of.motion_at(0), reference] {
             motion.iter_mut().zip(&units).for_each(|(x, unit)| *x /= unit);
             let square = dot(&motion, &motion);

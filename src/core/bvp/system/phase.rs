@@ -2,21 +2,31 @@
 
 use super::discretisation::DiscretisedProblem;
 use super::layout::UnknownLayout;
+use super::oscillation::Oscillation;
 use super::work::Work;
 use crate::core::bvp::erased::Number;
 use crate::core::bvp::interval::placed;
+use crate::core::bvp::method::Method;
 use crate::core::failure::{Failure, not_finite};
+use crate::core::linalg::largest;
 use crate::core::numerics::node_weights;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
 
 /// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference solution `x̂` and the
-/// quadrature weights `w` of the nodes. The phase condition is inactive until a reference solution
-/// is set.
+/// quadrature weights `w` of the nodes. For shooting, whose nodes are few, each state of the inner
+/// product is divided by its size in the oscillation of the reference solution: a product that one
+/// state dominates would have no solution where the cycles shrink. The phase condition is inactive
+/// until a reference solution is set.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Phase {
     /// The reference solution, as `x = (z, p)`; empty before it is set.
     pub reference: Vec<f64>,
+    /// The oscillation of the reference solution; `None` before the solution is set, and for motions
+    /// that cannot be integrated.
+    pub oscillation: Option<Oscillation>,
+    /// The time derivative `dx/dτ` of the reference solution at the first node.
+    pub motion: Vec<f64>,
     /// The gradient of the phase condition, with the entries `w_k ẋ_k`, node by node.
     pub row: Vec<f64>,
 }
@@ -63,6 +73,12 @@ impl Phase {
                 row.iter_mut().zip(order).for_each(|(r, &z)| *r += h * weight * motion[z]);
             }
         }
+        self.motion =
+            layout.order[..layout.segments[0].states].iter().map(|&z| motion[z]).collect();
+        self.oscillation = Oscillation::of(equations, x);
+        if matches!(equations.method, Method::Shooting(_)) {
+            self.scale(&mut row);
+        }
         // The sign of the condition is arbitrary, but is kept: the sign of the determinant detects
         // branch points.
         let along: f64 = row.iter().zip(&self.row).map(|(new, old)| new * old).sum();
@@ -71,6 +87,22 @@ impl Phase {
         }
         self.row = row;
         x.clone_into(&mut self.reference);
+    }
+
+    /// Divides the entries of each state by the square of the state's size; the largest entry keeps its
+    /// size. An equilibrium has no sizes.
+    fn scale(&self, row: &mut [f64]) {
+        let Some(sizes) = self.oscillation.as_ref().and_then(Oscillation::sizes) else { return };
+        let before = largest(row);
+        for states in row.chunks_exact_mut(sizes.len()) {
+            for (entry, size) in states.iter_mut().zip(&sizes) {
+                *entry /= size * size;
+            }
+        }
+        let scaled = largest(row);
+        if scaled > 0.0 {
+            row.iter_mut().for_each(|entry| *entry *= before / scaled);
+        }
     }
 }
 

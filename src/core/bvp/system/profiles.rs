@@ -72,7 +72,7 @@ pub(super) fn points_each(equations: &DiscretisedProblem, segment: usize) -> usi
 
 /// Computes time (counted from `begin`) and states along a segment, at evenly spaced points in each
 /// interval.
-fn history(
+pub(super) fn history(
     equations: &DiscretisedProblem,
     segment: usize,
     begin: f64,
