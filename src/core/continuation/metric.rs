@@ -110,7 +110,12 @@ impl Metric {
         let known = |reach: &f64| is_scale(*reach) && VERTICAL * steepness * reach < 1.0;
         let by_range = reaches.find(known).filter(|reach| !is_near_fold(&sizes, &slopes, *reach));
         let reach = by_range.or(start.reach);
-        let found = group_scales(&sizes, &slopes, reach, !units.is_empty());
+        let nothing = match (units.is_empty(), p.len()) {
+            (true, _) => 0.0,
+            (false, 1) => NOTHING,
+            (false, _) => NOTHING_ON_CURVES,
+        };
+        let found = group_scales(&sizes, &slopes, reach, nothing);
         let unknown = found.iter().map(|scale| scale.is_none() && units.is_empty()).collect();
         let mut groups = with_fallback(&found, !units.is_empty());
         groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
@@ -282,6 +287,10 @@ const SMALL: f64 = 1e-5;
 /// the given units, are zero up to rounding; the start of a curve is accurate to 1e-10.
 const NOTHING: f64 = 1e-9;
 
+/// Rounding: the threshold that replaces [`NOTHING`] on curves of special points, whose tangents are
+/// accurate to about 1e-8.
+const NOTHING_ON_CURVES: f64 = 1e-7;
+
 /// Rounding: the parameter component of a tangent is zero up to rounding if it is smaller than this
 /// threshold, relative to the component along the unknowns, both in units of their scales. The
 /// bound is about 1e4 ε, for matrices with a condition number up to 1e4.
@@ -357,17 +366,15 @@ fn is_near_fold(sizes: &[f64], slopes: &[f64], reach: f64) -> bool {
 }
 
 /// Computes the scales of groups from their sizes and from their changes over the distance `reach`
-/// along the tangent; `None` for groups whose size and change are zero. Sizes and changes are in
-/// units of typical sizes if `given` is set.
+/// along the tangent; `None` for groups whose size and change are at most `nothing`.
 fn group_scales(
     sizes: &[f64],
     slopes: &[f64],
     reach: Option<f64>,
-    given: bool,
+    nothing: f64,
 ) -> Vec<Option<f64>> {
     let known = |reach| largest_known(sizes, slopes, reach);
     let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
-    let nothing = if given { NOTHING } else { 0.0 };
     let scale = |(&size, slope): (&f64, &f64)| match reach.map(|reach| reach * slope) {
         Some(reach) if is_scale(reach) && reach > nothing && size <= zero * reach => Some(reach),
         _ => Some(size).filter(|size| *size > nothing && is_scale(*size)),
