@@ -417,7 +417,9 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
 /// Whether a branch of equilibria has Hopf points that should be followed, and no run starts there.
 fn lacks_orbits(branch: &Branch, kinds: &[Kind], runs: &[Run]) -> bool {
     let starts = |run: &Run| matches!(run.start, Start::From { kind: Kind::HB, .. });
-    let wanted = kinds.contains(&Kind::HB) && branch.condition.is_none();
+    // Cycles can end at a Hopf point.
+    let of_cycles = branch.column("period").is_some();
+    let wanted = kinds.contains(&Kind::HB) && branch.condition.is_none() && !of_cycles;
     wanted && branch.of_kind(Kind::HB).any(|it| it.converged) && !runs.iter().any(starts)
 }
 

@@ -16,8 +16,9 @@ const AGREES: f64 = 1e-3;
 /// close to a jump of the rate that rounding decides the comparison.
 const LEAST: usize = 2;
 
-/// Rounding: a change of a rate is zero if it is smaller than this fraction of the rate, or of the rate at
-/// which the state changes by its size in one period: rates along a surface on which motion slides are rounding errors.
+/// Rounding: a change of a rate is zero if it is smaller than this fraction of the rate, of the same
+/// state's rates in other modes, or of the rate at which the state changes by its size in one period:
+/// rates along a surface on which motion slides are differences of the rates beside the surface.
 const ROUNDING: f64 = 1e-12;
 
 /// The error of a forced system whose rates change from period to period.
@@ -35,6 +36,24 @@ pub struct NotPeriodic {
     pub time: f64,
     /// The values at this time, and one period later.
     pub rates: [f64; 2],
+}
+
+/// Returns the largest absolute value of the rate of a state over all modes with the same states; 0 for
+/// a guard, whose index follows the indices of the states.
+fn rates_elsewhere(
+    system: &dyn HybridEquations,
+    (states, time, x): (&[String], f64, &[f64]),
+    state: usize,
+    p: &[f64],
+) -> f64 {
+    let modes = system.modes().into_iter().enumerate();
+    let rate = |mode: usize| {
+        let mut rates = vec![0.0; x.len()];
+        system.field(mode, time, x, p, &mut rates);
+        rates.get(state).map_or(0.0, |rate| rate.abs())
+    };
+    let same = modes.filter(|(_, other)| other.states == states);
+    same.map(|(mode, _)| rate(mode)).fold(0.0, f64::max)
 }
 
 /// Checks that the rates of a forced system and the functions of its guards have the stated period: for
@@ -88,7 +107,9 @@ pub fn check_period(system: &dyn HybridEquations, p: &[f64]) -> Result<(), NotPe
                 sizes.get(k).filter(|_| k < x.len()).map_or(0.0, |size| size / period.abs());
             let allowed = AGREES * (high - low) + ROUNDING * largest(&all).max(usual);
             let change = |i: &usize| (now[*i][k] - later[*i][k]).abs();
-            let mut differing = (0..TIMES).filter(|i| change(i) > allowed);
+            let elsewhere = |i: &usize| rates_elsewhere(system, (&states, times[*i], &x), k, p);
+            let mut differing =
+                (0..TIMES).filter(|i| change(i) > allowed && change(i) > ROUNDING * elsewhere(i));
             if let (Some(i), true) = (differing.next(), differing.count() + 1 >= LEAST) {
                 let names = states.iter().map(|state| format!("the rate of {state}"));
                 let mut names =
