@@ -3,6 +3,7 @@
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, Stated, program_of, states_of};
 use super::duration::Duration;
+use super::observed::WithEvents;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{FilippovEquations, Formulas};
@@ -163,6 +164,12 @@ fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program
 /// Returns the index of a side of the surface: 0 above, 1 below.
 fn of(side: Side) -> usize {
     usize::from(side == Side::Below)
+}
+
+impl WithEvents for Filippov<TwoFields> {
+    fn scales_mut(&mut self) -> &mut Scales {
+        &mut self.0.basis.scales
+    }
 }
 
 impl FilippovSystem for TwoFields {

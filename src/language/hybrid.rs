@@ -4,6 +4,7 @@ use super::assembling::{Program, elements};
 use super::basis::{Basis, Kind, names_of, program_of, states_of};
 use super::duration::Duration;
 use super::events::{Event, ModeScope, add, check_named};
+use super::observed::WithEvents;
 use super::product::modes_of;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Source};
@@ -76,6 +77,12 @@ impl Kind for Hybrid {
 
     fn may_jump(&self) -> bool {
         self.rates.iter().any(|rates| rates.may_jump())
+    }
+}
+
+impl WithEvents for Hybrid {
+    fn scales_mut(&mut self) -> &mut Scales {
+        &mut self.basis.scales
     }
 }
 

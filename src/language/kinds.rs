@@ -5,11 +5,13 @@ use super::boundary::{self, Conditions};
 use super::filippov::{self, TwoFields};
 use super::hybrid::{self, Hybrid};
 use super::map::{self, Iteration};
+use super::observed::with_observed_scales;
 use super::residual::{self, Zero};
 use super::smooth;
 use super::source::{Fault, ModelError, Source, misread};
 use super::statement::{Boundary, Equations, FilippovEquations, HybridEquations, Map, Residual};
 use super::text::{Field, fields_of, options, statement_in};
+use crate::core::hybrid::Scales;
 use crate::core::hybrid::filippov::Filippov;
 use crate::core::problem::UnknownName;
 use crate::misread::unknown;
@@ -212,6 +214,29 @@ impl Model {
     /// motions.
     pub fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         self.kind().initial_along(tau, p)
+    }
+
+    /// Returns the model with scales that are estimated from its motion, which starts in the given
+    /// states of the first mode (all other states are zero). Returns `None` if the motion has usual
+    /// sizes, if the text states scales, and for models without events, whose branches find scales
+    /// of their own.
+    pub(crate) fn with_observed_scales(&self, start: &[(String, f64)], p: &[f64]) -> Option<Self> {
+        Some(match self {
+            Model::Hybrid(system) => {
+                Model::Hybrid(Arc::new(with_observed_scales(&**system, start, p)?))
+            }
+            Model::Filippov(system) => {
+                Model::Filippov(Arc::new(with_observed_scales(&**system, start, p)?))
+            }
+            _ => return None,
+        })
+    }
+
+    /// Returns the scales of the quantities that have unusual sizes, by name.
+    pub(crate) fn scales(&self) -> Vec<(String, f64)> {
+        let Scales { time, states } = &self.kind().basis().scales;
+        let time = time.map(|time| ("t".to_string(), time));
+        states.iter().cloned().chain(time).collect()
     }
 
     /// Returns the default values of the first parameters; the remaining parameters do not have

@@ -33,6 +33,7 @@ mod implicit;
 mod kinds;
 mod layout;
 mod map;
+mod observed;
 mod operation;
 mod product;
 mod residual;

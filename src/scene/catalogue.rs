@@ -219,7 +219,7 @@ impl Catalogue {
             }
         }
         let model = None;
-        let scene = Scene {
+        let mut scene = Scene {
             title,
             summary,
             problem,
@@ -231,6 +231,7 @@ impl Catalogue {
             runs,
             sweeps,
         };
+        scene.observe_scales(&[]);
         scene.check()?;
         Ok(scene)
     }

@@ -17,6 +17,19 @@ use std::collections::HashSet;
 /// The maximum number of unused parameters that a warning lists.
 const MOST_UNUSED: usize = 5;
 
+/// Returns the warning about scales that were estimated from the motion; `None` if no scale was
+/// estimated.
+fn observed_scales(observed: &[(String, f64)]) -> Option<String> {
+    let stated = observed.iter().map(|(name, size)| format!("(\"{name}\", \"{size:e}\")"));
+    let stated = stated.collect::<Vec<_>>().join(", ");
+    (!observed.is_empty()).then(|| {
+        format!(
+            "the equations state no scales, so tolerances use the sizes of the simulated motion; to \
+             fix the scales, add `scales: [{stated}]` to the equations"
+        )
+    })
+}
+
 impl Scene {
     /// Returns an error if the scene is invalid.
     pub(super) fn check(&self) -> Result<(), SceneError> {
@@ -54,7 +67,8 @@ impl Scene {
         let unused = unused.map(|name| format!("no formula uses the parameter `{name}`"));
         let more = (more > 0).then(|| format!("no formula uses {more} further parameters"));
         let notes = self.problem.notes().iter().cloned();
-        unused.chain(more).chain(self.problem.jumps()).chain(notes).collect()
+        let scales = observed_scales(self.problem.observed_scales());
+        unused.chain(more).chain(self.problem.jumps()).chain(scales).chain(notes).collect()
     }
 }
 

@@ -8,7 +8,7 @@ use super::request::Request;
 use super::simulate::{Simulated, moved, search, searched, stated};
 use super::statement::{Run, Scene, Start};
 use crate::core::attractor::CycleSearchError;
-use crate::core::hybrid::{HybridEquations, HybridFlow, HybridState};
+use crate::core::hybrid::{HybridEquations, HybridFlow, HybridState, time_scale};
 use crate::core::problem::Forcing;
 
 /// The default duration of the simulation with which a start of a branch is searched, if no
@@ -26,6 +26,7 @@ const AT_REST: f64 = 1e-6;
 /// to which the simulation converges; otherwise the given states. If `free` is true, the kind of
 /// solution found at the start decides whether equilibria or orbits are traced.
 pub(super) fn begin(scene: &mut Scene, request: &Request, free: bool) -> Result<(), SceneError> {
+    scene.observe_scales(&request.state);
     let start = FirstStart { scene, request, free }.find()?;
     if let [run, ..] = &mut scene.runs[..] {
         run.start = start;
@@ -56,7 +57,7 @@ impl FirstStart<'_> {
             }
             return Ok(self.guess());
         }
-        if smooth { self.of_autonomous(&*motion) } else { self.of_forced_or_hybrid() }
+        if smooth { self.of_autonomous(&*motion) } else { self.of_forced_or_hybrid(&*motion) }
     }
 
     /// Returns the start at the given states, or at rest if no states are given.
@@ -75,8 +76,19 @@ impl FirstStart<'_> {
 
     /// Returns the start at the attractor of a simulation with the requested duration, or with the
     /// default duration if the request states no duration.
-    fn attractor(&self) -> Start {
-        self.simulated(self.request.settle.unwrap_or(Simulated::default().transient))
+    fn attractor(&self, motion: &dyn HybridEquations) -> Start {
+        let usual = || Simulated::default().transient * self.unit(motion);
+        self.simulated(self.request.settle.unwrap_or_else(usual))
+    }
+
+    /// Returns the time scale of a motion, in the unit of the times of simulations.
+    fn unit(&self, motion: &dyn HybridEquations) -> f64 {
+        match self.scene.values() {
+            Ok(p) if motion.forcing() == Forcing::None => {
+                time_scale(motion, &p) / motion.period(&p)
+            }
+            _ => 1.0,
+        }
     }
 
     /// Returns the kind of solutions that the first run traces.
@@ -103,8 +115,8 @@ impl FirstStart<'_> {
 
     /// Returns the start for a motion with forcing or events: the given states if a branch of
     /// equilibria starts at these states, and otherwise the attractor of a simulation.
-    fn of_forced_or_hybrid(&self) -> Result<Start, SceneError> {
-        let (guess, attractor) = (self.guess(), self.attractor());
+    fn of_forced_or_hybrid(&self, motion: &dyn HybridEquations) -> Result<Start, SceneError> {
+        let (guess, attractor) = (self.guess(), self.attractor(motion));
         if self.request.settle.is_some() || self.solution() != Some(Solution::Equilibrium) {
             return Ok(attractor);
         }
@@ -120,7 +132,7 @@ impl FirstStart<'_> {
     fn of_autonomous(&mut self, motion: &dyn HybridEquations) -> Result<Start, SceneError> {
         // The scene already states which kind of solutions it traces.
         if !self.free && self.solution() == Some(Solution::Orbit) {
-            return Ok(self.attractor());
+            return Ok(self.attractor(motion));
         }
         self.scene.problem.follow(Solution::Equilibrium);
         if let Some(duration) = self.request.settle {

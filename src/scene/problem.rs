@@ -323,6 +323,8 @@ pub struct Problem {
     model: Box<dyn Model>,
     /// The equations of the problem if they are given as text, otherwise `None`.
     text: Option<Arc<Stated>>,
+    /// The scales that were estimated from the motion, by name.
+    observed_scales: Vec<(String, f64)>,
 }
 
 impl Problem {
@@ -332,12 +334,12 @@ impl Problem {
         Configured<P, S>: Model + 'static,
     {
         let model = Box::new(Configured { problem, settings: S::default() });
-        Problem { name, model, text: None }
+        Problem { name, model, text: None, observed_scales: Vec::new() }
     }
 
     /// Creates a problem whose equations are given as text.
     pub(super) fn stated(name: &'static str, model: Box<dyn Model>, text: Stated) -> Self {
-        Problem { name, model, text: Some(Arc::new(text)) }
+        Problem { name, model, text: Some(Arc::new(text)), observed_scales: Vec::new() }
     }
 
     /// Returns the equations if they are given as text, otherwise `None`.
@@ -378,6 +380,17 @@ impl Problem {
     pub(super) fn begun_at(&self, start: &[(String, f64)], p: &[f64]) -> Self {
         let states = [start, &self.initial(p)].concat();
         self.model.begun_at(&states, p).map_or_else(|| self.clone(), |model| self.with(model))
+    }
+
+    /// Returns the scales that were estimated from the motion because the equations state none: the
+    /// names and sizes of quantities of unusual size.
+    pub(super) fn observed_scales(&self) -> &[(String, f64)] {
+        &self.observed_scales
+    }
+
+    /// Replaces the model by a model of the same equations whose scales were estimated.
+    pub(super) fn take_scales(&mut self, model: Box<dyn Model>, observed: Vec<(String, f64)>) {
+        (self.model, self.observed_scales) = (model, observed);
     }
 
     /// Returns the unknowns that represent the profiles at which a branch starts; `None` if the
@@ -470,7 +483,8 @@ impl Problem {
     }
 
     fn with(&self, model: Box<dyn Model>) -> Problem {
-        Problem { name: self.name, model, text: self.text.clone() }
+        let (text, observed_scales) = (self.text.clone(), self.observed_scales.clone());
+        Problem { name: self.name, model, text, observed_scales }
     }
 
     /// Returns a copy of the problem with settings parsed from RON.

@@ -239,6 +239,7 @@ impl Scene {
             change.refuse_varied(&self.runs)?;
             change.apply(&mut changed)?;
         }
+        changed.observe_scales(&[]);
         // The runs of a scene under construction are checked once they exist.
         if changed.runs.is_empty() && changed.sweeps.is_empty() {
             check_settings(&changed.problem, &changed.settings)?;
@@ -294,6 +295,15 @@ impl Scene {
         match missing.is_empty() {
             true => Ok(values),
             false => Err(SceneError::MissingParameters { problem: self.problem.name(), missing }),
+        }
+    }
+
+    /// Gives the problem scales that are estimated from its motion, if the equations state none and
+    /// every parameter has a value. The motion starts in the given states; states that are not given
+    /// have the values of the first run.
+    pub(super) fn observe_scales(&mut self, start: &[(String, f64)]) {
+        if let (Ok(p), Ok(initial)) = (self.values(), self.initial_states()) {
+            self.problem.observe_scales(&[start, &initial].concat(), &p);
         }
     }
 

@@ -178,25 +178,30 @@ fn with_defaults(stated: Stated) -> Result<Problem, SceneError> {
 }
 
 fn problem(stated: Stated, settings: &str) -> Result<Problem, SpannedError> {
-    let configured: Box<dyn Model> = match stated.model.clone() {
-        language::Model::Field(field) => configured::<_, FieldSettings>(field, settings)?,
-        language::Model::Zero(zero) => configured::<_, ZeroSettings>(zero, settings)?,
-        language::Model::Map(map) => configured::<_, MapSettings>(map, settings)?,
+    let model = with_settings(stated.model.clone(), settings)?;
+    Ok(Problem::stated(stated.model.name(), model, stated))
+}
+
+/// Returns a model with settings parsed from RON.
+fn with_settings(model: language::Model, settings: &str) -> Result<Box<dyn Model>, SpannedError> {
+    match model {
+        language::Model::Field(field) => configured::<_, FieldSettings>(field, settings),
+        language::Model::Zero(zero) => configured::<_, ZeroSettings>(zero, settings),
+        language::Model::Map(map) => configured::<_, MapSettings>(map, settings),
         language::Model::Boundary(conditions) => {
             let defaults = conditions.defaults();
             let problem: Boundary = ((*conditions).clone().into_equations(), defaults);
-            configured::<_, BoundarySettings>(problem, settings)?
+            configured::<_, BoundarySettings>(problem, settings)
         }
         language::Model::Hybrid(hybrid) => {
             let hybrid: Hybrid = hybrid;
-            configured::<_, HybridOrbitSettings>(hybrid, settings)?
+            configured::<_, HybridOrbitSettings>(hybrid, settings)
         }
         language::Model::Filippov(system) => {
             let hybrid: Hybrid = system;
-            configured::<_, HybridOrbitSettings>(hybrid, settings)?
+            configured::<_, HybridOrbitSettings>(hybrid, settings)
         }
-    };
-    Ok(Problem::stated(stated.model.name(), configured, stated))
+    }
 }
 
 fn configured<P, S: ProblemSettings>(
@@ -237,6 +242,22 @@ impl Problem {
     /// [`SceneError::Model`] if the text cannot be parsed.
     pub fn from_text(path: &Path, text: &str, given: &[String]) -> Result<Self, SceneError> {
         with_defaults(of_text(path, text, given)?)
+    }
+
+    /// Gives the problem the scales of its motion from the given states if the text of its equations
+    /// states no scales; states that are not given have the problem's initial values.
+    pub(super) fn observe_scales(&mut self, start: &[(String, f64)], p: &[f64]) {
+        let Some(text) = self.text() else { return };
+        let start = [start, &self.initial(p)].concat();
+        let scaled = text.with_observed_scales(&start, p);
+        if scaled.is_none() && self.observed_scales().is_empty() {
+            return;
+        }
+        let observed = scaled.as_ref().map_or(Vec::new(), language::Model::scales);
+        let model = scaled.unwrap_or_else(|| text.clone());
+        if let Ok(model) = with_settings(model, &self.model().written()) {
+            self.take_scales(model, observed);
+        }
     }
 
     /// Returns whether a file with this text contains equations instead of a scene.

@@ -1,5 +1,5 @@
 //! Promise: scenes of the library have the same special points where each of their states is in
-//! another unit, which is stated in `scales`.
+//! another unit, which is stated in `scales`; scenes with events also without `scales`.
 
 use super::variant::Variant;
 use super::{Found, differences, points};
@@ -16,6 +16,18 @@ const SCENES: [&str; 14] = [
     "integrate-and-fire",
     "lorenz",
     "lure",
+    "relay",
+    "rocking-block",
+    "simplest-walker",
+    "soft-stop",
+    "two-walls",
+];
+
+/// The scenes among them whose models have events.
+const WITH_EVENTS: [&str; 8] = [
+    "bouncing-ball",
+    "buck-converter",
+    "integrate-and-fire",
     "relay",
     "rocking-block",
     "simplest-walker",
@@ -88,8 +100,8 @@ impl Units {
     }
 }
 
-/// A scene whose states have other units.
-fn in_units(text: &str, powers: &[i32]) -> String {
+/// A scene whose states have other units, which may be stated.
+fn in_units(text: &str, powers: &[i32], stated: bool) -> String {
     let mut units = Units { powers: powers.to_vec(), states: Vec::new() };
     let mut text = text.to_string();
     for field in FIELDS {
@@ -119,7 +131,9 @@ fn in_units(text: &str, powers: &[i32]) -> String {
     }
     let problem = text.find("problem: ").expect("a problem");
     let at = problem + text[problem..].find('(').expect("a problem") + 1;
-    text.insert_str(at, &format!("scales: [{scales}], "));
+    if stated {
+        text.insert_str(at, &format!("scales: [{scales}], "));
+    }
     text
 }
 
@@ -133,15 +147,15 @@ fn found(text: &str) -> Result<Vec<Vec<Found>>, String> {
     Ok(outcome.document.branches.iter().map(|branch| points(branch, &variant)).collect())
 }
 
-#[test]
-fn scenes_of_the_library_in_other_units() {
+/// Compares scenes with the same scenes in other units.
+fn compare(names: &[&str], units: &[&[i32]], stated: bool) {
     let mut wrong = Vec::new();
-    for name in SCENES {
+    for name in names {
         let path = format!("{}/scenes/library/{name}.ron", env!("CARGO_MANIFEST_DIR"));
         let text = plain(&std::fs::read_to_string(path).unwrap());
         let here = found(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
-        for powers in [&[3][..], &[-6], &[-6, 4, 6, -3]] {
-            let differences = match found(&in_units(&text, powers)) {
+        for powers in units {
+            let differences = match found(&in_units(&text, powers, stated)) {
                 Ok(there) => differences(100.0, &here, &there),
                 Err(error) => vec![error],
             };
@@ -149,4 +163,14 @@ fn scenes_of_the_library_in_other_units() {
         }
     }
     assert!(wrong.is_empty(), "{} differences:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn scenes_of_the_library_in_other_units() {
+    compare(&SCENES, &[&[3], &[-6], &[-6, 4, 6, -3]], true);
+}
+
+#[test]
+fn scenes_with_events_find_their_scales() {
+    compare(&WITH_EVENTS, &[&[-9], &[-6, -3], &[9]], false);
 }

@@ -6,6 +6,8 @@
 //! at the same parameters within both errors. No other points may appear.
 
 mod library;
+mod observed;
+mod shrinking;
 mod stated;
 mod variant;
 
