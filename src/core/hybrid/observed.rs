@@ -124,7 +124,7 @@ impl Extent {
         let lasting = self.largest[0].min(self.largest[1]).max(distance);
         match [self.size(), lasting].map(rounded) {
             [size, _] if size <= SMALL => (size, true),
-            [_, lasting] if lasting > SMALL => (lasting, lasting >= LARGE),
+            [_, lasting] if lasting >= SMALL => (lasting, lasting >= LARGE),
             _ => (1.0, false),
         }
     }
