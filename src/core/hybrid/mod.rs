@@ -46,6 +46,7 @@ mod event_locator;
 pub mod filippov;
 mod fleet;
 mod leg;
+#[cfg(feature = "scene")]
 mod observed;
 mod passing;
 mod periodicity;
@@ -67,6 +68,7 @@ pub use event::{Event, History, HybridObserver, Piece};
 pub use fleet::{Fleet, FleetObserver, Member};
 pub use leg::{GuardOf, InMode};
 pub(in crate::core) use leg::{Moment, ScalarOf};
+#[cfg(feature = "scene")]
 pub(crate) use observed::observed_scales;
 pub use periodicity::{NotPeriodic, check_period};
 pub(crate) use scales::{decision_scale, guard_scale, time_scale};
