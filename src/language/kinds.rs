@@ -232,7 +232,7 @@ impl Model {
         })
     }
 
-    /// Returns the scales of the quantities that have unusual sizes, by name.
+    /// Returns the scales of the states and of time that differ from the default, by name.
     pub(crate) fn scales(&self) -> Vec<(String, f64)> {
         let Scales { time, states } = &self.kind().basis().scales;
         let time = time.map(|time| ("t".to_string(), time));

@@ -4,7 +4,7 @@ use crate::core::hybrid::{HybridSystem, Scales, observed_scales};
 
 /// A model with events, whose tolerances depend on its scales.
 pub(super) trait WithEvents: HybridSystem + Clone {
-    /// Returns the scales that the text states.
+    /// Returns the scales, which are empty if the text states no scales.
     fn scales_mut(&mut self) -> &mut Scales;
 }
 

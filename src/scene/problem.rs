@@ -382,8 +382,8 @@ impl Problem {
         self.model.begun_at(&states, p).map_or_else(|| self.clone(), |model| self.with(model))
     }
 
-    /// Returns the scales that were estimated from the motion because the equations state none: the
-    /// names and sizes of quantities of unusual size.
+    /// Returns the scales that were estimated from the motion because the equations state no scales,
+    /// by name; empty if all quantities have usual sizes.
     pub(super) fn observed_scales(&self) -> &[(String, f64)] {
         &self.observed_scales
     }

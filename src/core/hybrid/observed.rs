@@ -23,10 +23,10 @@ const DOUBLED: usize = 40;
 /// Heuristic: the length of a state's path, relative to the state's range, at which a motion has
 /// turned back often enough for an estimate of its period.
 const TURNED: f64 = 3.0;
-/// Heuristic: the size up to which a size of a state is unusual. With a scale that is a thousand times
+/// Heuristic: the size up to which a state is unusually small. With a scale that is a thousand times
 /// too large, tolerances still leave nine digits of a state.
 const SMALL: f64 = 1e-3;
-/// Heuristic: the size from which a size of a state is unusual. Tolerances of larger states are
+/// Heuristic: the size from which a state is unusually large. Tolerances of larger states are
 /// relative, so only conditions that compare states of different sizes need scales.
 const LARGE: f64 = 1e6;
 /// Heuristic: half a period up to which an oscillation is unusually fast, and half a period from
@@ -222,7 +222,7 @@ impl Seen {
         }
     }
 
-    /// Returns the half of the period of the slowest state that has turned back.
+    /// Returns half the period of the slowest state that has turned back.
     fn half_period(&self) -> Option<f64> {
         let turned = self.extents.iter().filter(|extent| extent.has_turned());
         turned.map(|extent| extent.range() / extent.path * self.elapsed).reduce(f64::max)
@@ -243,9 +243,7 @@ impl Seen {
             states: if is_usual { Vec::new() } else { states.collect() },
         }
     }
-}
 
-impl Seen {
     /// Returns the names of the states whose values are rounding errors, at the end of the motion: the
     /// terms of their rates cancel each other.
     fn vanishing(
