@@ -26,6 +26,7 @@ mod planes;
 mod product_modes;
 mod restated;
 mod settling;
+mod shrinking_curves;
 mod singular_points;
 mod sliding_curves;
 mod small_states;

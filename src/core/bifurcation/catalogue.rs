@@ -278,15 +278,20 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
                 .leading_to(&[Kind::LP, Kind::TR]),
             seen(FOLDS, Equilibria, "fold–Hopf point", PAIRS, |_| Box::new(Hopf::of_equilibria()))
                 .leading_to(&[Kind::HB, Kind::TR]),
+            // The angle of the critical multipliers vanishes with the amplitude.
+            mirror(TORI, "fold–Hopf point: the cycles shrink onto an equilibrium", angle!(0.0)),
         ],
     ),
     row(
         Kind::HH,
         Critical::None,
         Some(normal_form::double_hopf),
-        &[seen(HOPF, Equilibria, "double Hopf point", PAIRS, |_| Box::new(Hopf::second(false)))
-            // A curve of torus points emanates for the cycles of each of the two pairs.
-            .leading_to(&[Kind::HB, Kind::TR, Kind::TR])],
+        &[
+            seen(HOPF, Equilibria, "double Hopf point", PAIRS, |_| Box::new(Hopf::second(false)))
+                // A curve of torus points emanates for the cycles of each of the two pairs.
+                .leading_to(&[Kind::HB, Kind::TR, Kind::TR]),
+            mirror(TORI, "double Hopf point: the cycles shrink onto an equilibrium", AMPLITUDE),
+        ],
     ),
     row(
         Kind::R1,

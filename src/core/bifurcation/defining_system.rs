@@ -71,6 +71,15 @@ pub trait DefiningSystem: Send {
         Ok(())
     }
 
+    /// Prepares the defining system at a solution of its equations whose auxiliary unknowns `y` are
+    /// known, for example after the solution was interpolated to another mesh.
+    ///
+    /// # Errors
+    /// The same errors as for [`start`](DefiningSystem::start).
+    fn resume(&mut self, at: At, y: &[f64]) -> Result<(), Failure> {
+        self.start(at, &mut y.to_vec())
+    }
+
     /// Evaluates the `k + 1` left sides of the equations.
     ///
     /// # Errors

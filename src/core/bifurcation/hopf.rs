@@ -100,10 +100,15 @@ impl DefiningSystem for Hopf {
     }
 
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
-        let n = at.system.names().dimension();
         at.system.assemble(at.x)?;
         let held = at.held.first().copied().filter(|_| self.own.is_some());
         y[0] = crossing_frequency(&mut at, self.near, held)?;
+        self.resume(at, y)
+    }
+
+    /// Needs no eigenvalues or multipliers, which are not always determined.
+    fn resume(&mut self, at: At, y: &[f64]) -> Result<(), Failure> {
+        let n = at.system.names().dimension();
         self.vector.resize(2 * n, 0.0);
         self.slope.resize(2 * n, 0.0);
         self.form.resize(at.x.len(), 0.0);

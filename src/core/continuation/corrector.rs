@@ -371,7 +371,7 @@ impl<'a> Corrector<'a> {
     }
 
     /// Resets the data that are adapted along the curve: scales, the curvature of the equations,
-    /// and the borders of the held defining systems.
+    /// and the borders of the held defining systems, whose auxiliary unknowns are known.
     ///
     /// # Errors
     /// [`Failure`] if the defining systems cannot be set up at the point. After an error, the
@@ -384,13 +384,19 @@ impl<'a> Corrector<'a> {
         held: &[MakeCondition],
     ) -> Result<(), Failure> {
         self.set_metric(metric);
-        let conditions = self.equations.exchange(Vec::new());
-        let (n, own) = (self.equations.dimension(), unknowns.len() - self.equations.length());
-        let mut bare = unknowns.to_vec();
-        bare.drain(n..n + own);
-        let held = held.iter().try_fold(bare, |x, make| self.equations.hold(make(), &x));
-        held.map(|_| ()).inspect_err(|_| {
-            self.equations.exchange(conditions);
+        let former = self.equations.exchange(held.iter().map(|make| make()).collect());
+        self.equations.load(unknowns);
+        let mut conditions = std::mem::take(&mut self.equations.conditions);
+        let known = self.equations.auxiliary.clone();
+        let mut left = &known[..];
+        let resumed = conditions.iter_mut().try_for_each(|condition| {
+            let (y, others) = left.split_at(condition.unknowns());
+            left = others;
+            condition.resume(self.equations.at(), y)
+        });
+        self.equations.conditions = conditions;
+        resumed.inspect_err(|_| {
+            self.equations.exchange(former);
         })
     }
 

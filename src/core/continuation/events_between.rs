@@ -4,10 +4,11 @@ use super::admissible::{AT_LIMIT, stays_at_limit};
 use super::bounds::{AT_START, Bounds};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
+use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 use super::log::Log;
-use crate::core::bifurcation::Critical;
+use crate::core::bifurcation::{At, Critical, PointValues};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
@@ -89,7 +90,8 @@ pub(super) fn events_between(
         let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
         let noise = is_noise(interval, &located, flat);
         let stays = stays_at_one(dynamics, interval, &located);
-        let at_end = is_double_value(locator.curve, interval, &located);
+        let at_end = is_double_value(locator.curve, interval, &located)
+            || is_resonance(locator.curve, &located);
         if at_end || unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
             continue;
         }
@@ -101,8 +103,38 @@ pub(super) fn events_between(
             found.push(located);
         }
     }
+    drop_at_mirror(locator.curve, &mut found);
     found.sort_by(|a, b| a.along.total_cmp(&b.along));
     found
+}
+
+/// Heuristic: a bifurcation counts as the point where a curve is its own mirror image if the test function
+/// of this point is smaller than this fraction of its value at the beginning of the step. A pair of
+/// bifurcations, one on each side of the point, changes no sign between the ends of the step.
+const AT_MIRROR: f64 = 0.3;
+
+/// Removes the bifurcations at a point where a curve of special points is its own mirror image: the
+/// defining systems of all bifurcations are singular at the point, where the test function of the point
+/// itself vanishes.
+fn drop_at_mirror(curve: &mut Curve, found: &mut Vec<Located>) {
+    let Curve { corrector, detector, .. } = curve;
+    if corrector.equations.conditions.is_empty() {
+        return;
+    }
+    let events = &detector.events;
+    let mirror = |it: &Located| it.event.map(|index| &events[index]).filter(|event| event.mirror);
+    let Some(test) = found.iter().find_map(|it| mirror(it)).map(|event| event.test.clone()) else {
+        return;
+    };
+    let is_level = |it: &Located| it.event.is_none_or(|index| events[index].test.level().is_some());
+    let mut is_at_mirror = |it: &Located| {
+        corrector.equations.load(&it.unknowns);
+        let value = test.value(&mut corrector.equations.at(), &PointValues::default());
+        value.ok().flatten().is_none_or(|value| value.abs() < AT_MIRROR)
+    };
+    found.retain(|it| {
+        mirror(it).is_some() || is_level(it) || it.special.converged && !is_at_mirror(it)
+    });
 }
 
 /// Whether an apparent fold is caused only by a numerical error in the sign of the slope of the
@@ -185,18 +217,34 @@ const VANISHED: f64 = 1e-4;
 /// critical pair, the pair becomes a double critical eigenvalue or multiplier, and rounding
 /// determines the signs of determinants.
 fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
-    if !matches!(it.special.kind, Kind::ZH | Kind::LPNS | Kind::PDNS) {
-        return false;
-    }
     let Curve { corrector, detector, .. } = curve;
     corrector.equations.load(&it.unknowns);
+    let is_mirror = it.event.is_some_and(|index| detector.events[index].mirror);
+    let is_end = |event: &Event| match (it.special.kind, is_mirror) {
+        (Kind::ZH | Kind::LPNS | Kind::PDNS, false) => event.terminal,
+        // The angle of the critical pair vanishes with the amplitude: the point is a fold–Hopf point.
+        (Kind::HH, true) => event.mirror,
+        _ => false,
+    };
     let held = corrector.equations.at().held;
-    detector.events.iter().enumerate().filter(|(_, event)| event.terminal).any(|(index, event)| {
+    detector.events.iter().enumerate().filter(|(_, event)| is_end(event)).any(|(index, event)| {
         let Some((unknown, level)) = event.test.auxiliary() else { return false };
         let ends = [from, to].map(|place| place.tests[index].map_or(0.0, f64::abs));
         let here = held.get(unknown).map(|value| (value - level).abs());
         here.is_some_and(|here| here <= VANISHED * ends[0].max(ends[1]))
     })
+}
+
+/// Whether the cycles at an apparent fold–Hopf point on a curve of torus points do not shrink. The angle
+/// of the critical pair also vanishes at a resonance 1:1.
+fn is_resonance(curve: &mut Curve, it: &Located) -> bool {
+    let Curve { corrector, detector, .. } = curve;
+    let is_mirror = it.event.is_some_and(|index| detector.events[index].mirror);
+    it.special.kind == Kind::ZH && is_mirror && {
+        corrector.equations.load(&it.unknowns);
+        let At { system, x, .. } = corrector.equations.at();
+        system.traits(x).amplitude.is_none_or(|amplitude| amplitude.abs() > AT_MIRROR)
+    }
 }
 
 /// Heuristic: two events count as the same point if their distance is smaller than this fraction of
@@ -207,13 +255,13 @@ const ONE_POINT: f64 = 1e-3;
 /// its curved branch, and the end of a curve that is its own mirror image. At a pitchfork, and at
 /// the end of a curve that is its own mirror image, an extremum of the parameter is not reported as
 /// a fold, because the defining system of folds is singular at the point.
-const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
+const TURNS: [Kind; 2] = [Kind::BP, Kind::HB];
 
 /// Whether an event is only the extremum that the parameter has at another special point found in
 /// the step. The test for an extremum of the parameter takes less time than an attempt to solve
 /// a singular defining system.
 fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
-    if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
+    if locator.curve.detector.events[index].kind != Kind::LP {
         return false;
     }
     let reach = ONE_POINT * locator.interval.length;
@@ -229,7 +277,7 @@ fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
     let near = |other: &Located| (other.along - it.along).abs() < ONE_POINT * length;
     let mut others = found.iter();
     match it.special.kind {
-        Kind::LP | Kind::CP => {
+        Kind::LP => {
             let same = |other: &Located| !it.special.converged || near(other);
             others.any(|other| TURNS.contains(&other.special.kind) && same(other))
         }

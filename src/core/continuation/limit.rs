@@ -15,6 +15,14 @@ use crate::core::bifurcation::{PointValues, TestFunction};
 const SHARES: [f64; 14] =
     [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04, 0.03, 0.02, 0.01];
 
+/// The same fractions for samples before the beginning of the step, on curves of special cycles,
+/// whose defining systems become singular as the cycles shrink.
+const EARLIER: [f64; 4] = [3.0, 2.2, 1.7, 1.3];
+
+/// Heuristic: the largest error of a parameter, in units of its scale, with which the point counts
+/// as converged.
+const ACCURATE: f64 = 1e-4;
+
 /// Heuristic: the minimal and the maximal number of samples for an interpolating polynomial. If a
 /// polynomial in the square of the test function interpolates more than five samples, rounding
 /// errors dominate.
@@ -27,19 +35,24 @@ type Sample = (f64, Vec<f64>);
 /// with polynomials in the test function. Unknowns that are even functions of the test function are
 /// extrapolated with polynomials in its square. Samples close to the end of the curve have large
 /// rounding errors, and samples far from the end have a large interpolation error. The sequence of
-/// successive samples that gives the smallest error of the parameter is used.
+/// successive samples that gives the smallest error of the released parameters is used.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let (root, samples) = sampled(locator, event)?;
     let corrector = &locator.curve.corrector;
-    let parameter = corrector.equations.parameters_at();
+    let (parameter, end) = (corrector.equations.parameters_at(), corrector.equations.length());
+    let scaled_error = |run: &[Sample]| {
+        let errors = (parameter..end).map(|i| corrector.norm.scaled(i, at_zero(run, i).1));
+        errors.fold(0.0, f64::max)
+    };
     let [least, most] = SAMPLES;
     let runs = (least..=samples.len()).map(|end| &samples[end.saturating_sub(most)..end]);
-    let (run, error) = runs
-        .map(|run| (run, at_zero(run, parameter).1))
+    let (run, scaled) = runs
+        .map(|run| (run, scaled_error(run)))
         .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
     let unknowns = (0..run[0].1.len()).map(|i| at_zero(run, i).0).collect();
-    let error = 4.0 * error + corrector.parameter_error();
-    Some(Located::new((event.kind, &event.name), root, unknowns, error))
+    let error = 4.0 * at_zero(run, parameter).1 + corrector.parameter_error();
+    let located = Located::new((event.kind, &event.name), root, unknowns, error);
+    Some(located.converged(scaled <= ACCURATE))
 }
 
 /// Returns the position at which the linearly interpolated test function vanishes, and points of
@@ -47,17 +60,20 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
 fn sampled(locator: &mut Locator, event: &Event) -> Option<(f64, Vec<Sample>)> {
     let (interval, test) = (locator.interval, &*event.test);
     let [start, end] = [interval.from, interval.to].map(|end| &end.unknowns[..]);
+    let holds = !locator.curve.corrector.equations.conditions.is_empty();
     let before = value(locator, test, start)?;
     let after = value(locator, test, end)?;
     let root = interval.length * before / (before - after);
-    let mut samples = vec![(before, start.to_vec())];
-    for share in SHARES {
+    let mut sample = |share: f64| {
         let along = root * (1.0 - share);
         let guess = interval.cubic(&locator.row, along);
-        let Ok((unknowns, _)) = locator.corrected(guess, along) else { break };
-        let value = value(locator, test, &unknowns)?;
-        samples.push((value, unknowns));
-    }
+        let (unknowns, _) = locator.corrected(guess, along).ok()?;
+        Some((value(locator, test, &unknowns)?, unknowns))
+    };
+    let mut samples: Vec<Sample> =
+        if holds { EARLIER.into_iter().filter_map(&mut sample).collect() } else { Vec::new() };
+    samples.push((before, start.to_vec()));
+    samples.extend(SHARES.into_iter().map_while(sample));
     Some((root, samples))
 }
 

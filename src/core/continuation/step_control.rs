@@ -47,6 +47,9 @@ const VANISHES_WITHIN: f64 = 2.0;
 /// smaller than this threshold. Where amplitudes vanish at a Hopf point, steps across that point
 /// end far beyond it, with a larger amplitude.
 const SHRUNK: f64 = 1e-6;
+/// Heuristic: the same threshold on curves of special cycles, whose defining systems become singular
+/// as the cycles shrink.
+const SHRUNK_ON_CURVES: f64 = 0.1;
 
 /// An accepted step of the continuation, with its data.
 pub(super) struct Step {
@@ -77,8 +80,9 @@ fn amplitude(corrector: &mut Corrector, unknowns: &[f64]) -> Option<f64> {
 
 /// Whether a cycle has shrunk to an equilibrium in one step.
 fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
+    let least = if corrector.equations.conditions.is_empty() { SHRUNK } else { SHRUNK_ON_CURVES };
     // Cycles that emanate from an equilibrium have no amplitude for comparison.
-    amplitude(corrector, unknowns).is_some_and(|it| it != 0.0 && it.abs() < SHRUNK)
+    amplitude(corrector, unknowns).is_some_and(|it| it != 0.0 && it.abs() < least)
 }
 
 /// Heuristic: the distance from a branch point at the start at which the stability of the branch is
