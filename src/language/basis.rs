@@ -186,14 +186,22 @@ impl Basis {
         self.measures = measures(&all, self.monitor_names());
         self.labels = labels_of(self, common, &all)?;
         let sizes = scales_of(scopes[0], common.scales, &all, events)?;
-        if !sizes.is_empty() {
-            let size = |state: &String| sizes.get(state).copied().unwrap_or(1.0);
-            self.sizes = self.states.iter().map(size).collect();
-        }
-        self.scales.time = sizes.get("t").copied().filter(|_| events);
+        let time = sizes.get("t").copied().filter(|_| events);
         let sized = |state: String| Some((state.clone(), *sizes.get(&state)?));
-        self.scales.states = all.into_iter().filter_map(sized).collect();
+        self.set_scales(Scales { time, states: all.into_iter().filter_map(sized).collect() });
         Ok(())
+    }
+
+    /// Sets the typical sizes of states and of time.
+    pub fn set_scales(&mut self, scales: Scales) {
+        let sizes: HashMap<&str, f64> =
+            scales.states.iter().map(|(state, size)| (&state[..], *size)).collect();
+        let size = |state: &String| sizes.get(&state[..]).copied().unwrap_or(1.0);
+        self.sizes = match sizes.is_empty() {
+            true => Vec::new(),
+            false => self.states.iter().map(size).collect(),
+        };
+        self.scales = scales;
     }
 
     pub fn monitor_names(&self) -> Vec<String> {

@@ -3,7 +3,7 @@
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, Stated, program_of, states_of};
 use super::duration::Duration;
-use super::observed::WithEvents;
+use super::observed::Scalable;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{FilippovEquations, Formulas};
@@ -166,9 +166,9 @@ fn of(side: Side) -> usize {
     usize::from(side == Side::Below)
 }
 
-impl WithEvents for Filippov<TwoFields> {
-    fn scales_mut(&mut self) -> &mut Scales {
-        &mut self.0.basis.scales
+impl Scalable for Filippov<TwoFields> {
+    fn basis_mut(&mut self) -> &mut Basis {
+        &mut self.0.basis
     }
 }
 

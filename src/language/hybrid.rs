@@ -4,7 +4,7 @@ use super::assembling::{Program, elements};
 use super::basis::{Basis, Kind, names_of, program_of, states_of};
 use super::duration::Duration;
 use super::events::{Event, ModeScope, add, check_named};
-use super::observed::WithEvents;
+use super::observed::Scalable;
 use super::product::modes_of;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Source};
@@ -80,9 +80,9 @@ impl Kind for Hybrid {
     }
 }
 
-impl WithEvents for Hybrid {
-    fn scales_mut(&mut self) -> &mut Scales {
-        &mut self.basis.scales
+impl Scalable for Hybrid {
+    fn basis_mut(&mut self) -> &mut Basis {
+        &mut self.basis
     }
 }
 

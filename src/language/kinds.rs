@@ -13,7 +13,8 @@ use super::statement::{Boundary, Equations, FilippovEquations, HybridEquations, 
 use super::text::{Field, fields_of, options, statement_in};
 use crate::core::hybrid::Scales;
 use crate::core::hybrid::filippov::Filippov;
-use crate::core::problem::UnknownName;
+use crate::core::orbit::Smooth;
+use crate::core::problem::{Forcing, UnknownName, VectorField};
 use crate::misread::unknown;
 use ron::ser::PrettyConfig;
 use serde::Serialize;
@@ -218,8 +219,8 @@ impl Model {
 
     /// Returns the model with scales that are estimated from its motion, which starts in the given
     /// states of the first mode (all other states are zero). Returns `None` if the motion has usual
-    /// sizes, if the text states scales, and for models without events, whose branches find scales
-    /// of their own.
+    /// sizes, if the text states scales, and for models without events and forcing, whose branches
+    /// begin at equilibria and find scales of their own.
     pub(crate) fn with_observed_scales(&self, start: &[(String, f64)], p: &[f64]) -> Option<Self> {
         Some(match self {
             Model::Hybrid(system) => {
@@ -227,6 +228,10 @@ impl Model {
             }
             Model::Filippov(system) => {
                 Model::Filippov(Arc::new(with_observed_scales(&**system, start, p)?))
+            }
+            Model::Field(field) if field.forcing() != Forcing::None => {
+                let forced = with_observed_scales(&Smooth((**field).clone()), start, p)?;
+                Model::Field(Arc::new(forced.0))
             }
             _ => return None,
         })

@@ -3,8 +3,10 @@
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, program_of};
 use super::duration::Duration;
+use super::observed::Scalable;
 use super::source::{ModelError, Source};
 use super::statement::Equations;
+use crate::core::orbit::Smooth;
 use crate::core::problem::{Forcing, Measure, Names, VectorField};
 use crate::core::scalar::Scalar;
 
@@ -41,6 +43,12 @@ impl Kind for Field {
 
     fn may_jump(&self) -> bool {
         self.rates.may_jump()
+    }
+}
+
+impl Scalable for Smooth<Field> {
+    fn basis_mut(&mut self) -> &mut Basis {
+        &mut self.0.basis
     }
 }
 

@@ -116,3 +116,34 @@ fn points_of_nearby_curves_are_not_points_of_the_curve() {
         close(warned, f, 2e-4);
     }
 }
+
+/// The cubic coefficients of Hopf points of the Lotka–Volterra equations without competition, and of
+/// torus points of the area-preserving Hénon map, vanish along the whole curves.
+#[test]
+fn rounding_errors_of_coefficients_are_no_special_points() {
+    let curve = |problem: &str, parameters: &str, [first, second]: [&str; 2], held: &str| {
+        traced(&format!(
+            r#"Scene(title: "t", problem: {problem}, parameters: [{parameters}], runs: [
+                (name: "rest", along: [{first}]),
+                (name: "curve", hold: {held}, start: From(run: "rest", kind: {held}), along: [{first}, {second}])])"#
+        ))
+        .remove(1)
+    };
+    let populations = curve(
+        r#"Equations(states: [("x", "x*(a - y) - q*x^2"), ("y", "-c*y + d*x*y")], solution: equilibrium,
+            initial: [("x", 1), ("y", 0.9)])"#,
+        r#"("q", 0.1), ("a", 1), ("c", 1), ("d", 1)"#,
+        [r#"(name: "q", low: -0.5, high: 0.5)"#, r#"(name: "a", low: 0.2, high: 3)"#],
+        "HB",
+    );
+    let henon = curve(
+        r#"Map(states: [("x", "1 - a*x^2 + y"), ("y", "b*x")], initial: [("x", 0.5), ("y", 0)])"#,
+        r#"("a", 0.5), ("b", -0.7)"#,
+        [r#"(name: "b", low: -1.5, high: 0.5)"#, r#"(name: "a", low: -1, high: 6)"#],
+        "TR",
+    );
+    assert!(populations.points.len() > 5 && henon.points.len() > 20);
+    for point in populations.special.iter().chain(&henon.special) {
+        assert!(![Kind::GH, Kind::CH].contains(&point.kind), "{point:?}");
+    }
+}

@@ -129,6 +129,13 @@ pub trait TestFunction: Send + Sync {
         false
     }
 
+    /// Whether the value at a point may consist of rounding errors, as the cubic coefficients of
+    /// conservative systems do, which vanish along whole curves. A sign change between two such points
+    /// is no event.
+    fn is_noise(&self, _at: &mut At) -> bool {
+        false
+    }
+
     /// Whether the test function is an indicator that jumps at the event, such as the indicator of
     /// the order of events; Newton's method on a defining system cannot converge at a jump.
     fn is_decision(&self) -> bool {
@@ -219,8 +226,12 @@ impl TestFunction for Criticality {
     fn value(&self, at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
         match self.0(at) {
             Err(cause @ Failure::Cancelled(_)) => Err(cause),
-            rate => Ok(rate.ok().filter(|rate| rate.is_finite())),
+            rate => Ok(rate.ok().map(|rate| rate.value).filter(|value| value.is_finite())),
         }
+    }
+
+    fn is_noise(&self, at: &mut At) -> bool {
+        self.0(at).is_ok_and(|rate| !rate.has_sign())
     }
 
     /// Returns true: the normal-form coefficient has poles where another eigenvalue is also

@@ -68,7 +68,9 @@ pub(super) fn events_between(
         if turns || doubtful && !reported && from.point.unstable == to.point.unstable {
             continue;
         }
-        if is_turn_of_another((&mut locator, index), &found) {
+        if is_rounding(locator.curve, index, interval)
+            || is_turn_of_another((&mut locator, index), &found)
+        {
             continue;
         }
         let dynamics = locator.curve.corrector.equations.system().dynamics();
@@ -135,6 +137,16 @@ fn drop_at_mirror(curve: &mut Curve, found: &mut Vec<Located>) {
     found.retain(|it| {
         mirror(it).is_some() || is_level(it) || it.special.converged && !is_at_mirror(it)
     });
+}
+
+/// Whether the values of a test function at both ends of an interval consist of rounding errors.
+fn is_rounding(curve: &mut Curve, index: usize, Interval { from, to, .. }: Interval) -> bool {
+    let Curve { corrector, detector, .. } = curve;
+    let test = &detector.events[index].test;
+    [from, to].into_iter().all(|place| {
+        corrector.equations.load(&place.unknowns);
+        test.is_noise(&mut corrector.equations.at())
+    })
 }
 
 /// Whether an apparent fold is caused only by a numerical error in the sign of the slope of the

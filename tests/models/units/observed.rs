@@ -88,3 +88,32 @@ fn rounding_errors_are_no_scales() {
     );
     assert_eq!(scene.warnings(), [""; 0]);
 }
+
+/// A linear resonator in metres and seconds, with a quality factor of 224: every motion settles to the
+/// period of the forcing. With tolerances for states of size 1, errors of the motion were read as
+/// motions of up to fourteen periods.
+#[test]
+fn forced_systems_settle_to_the_period_of_the_forcing() {
+    let text = "Equations(
+        states: [(\"x\", \"v\"), (\"v\", \"(F*cos(2*pi*f*t) - c*v - k*x)/m\")],
+        parameters: [(\"f\", \"30e3\"), (\"F\", \"1e-7\"), (\"k\", 5), (\"c\", \"1e-7\"), (\"m\", \"1e-10\")],
+        period: \"1/f\",
+    )";
+    for start in ["22e3", "28e3", "29e3", "31e3", "33e3"] {
+        let problem = Problem::from_text(Path::new("resonator.ron"), text, &[]).unwrap();
+        let along = vec![Range { name: "f".into(), low: Some(20e3), high: Some(40e3) }];
+        let set = vec![("f".to_string(), start.to_string())];
+        let request = Request { along, set, ..Request::default() };
+        let scene = Scene::of_model(problem, "resonator", &request).unwrap();
+        let warnings = scene.warnings();
+        assert!(warnings.iter().any(|it| it.contains("scales: [(\"x\", ")), "{warnings:?}");
+        let outcome = execute(&scene, None, &mut ());
+        assert!(outcome.error.is_none(), "{start}: {:?}", outcome.error);
+        let branch = &outcome.document.branches[0];
+        let [f, period] = ["f", "period"].map(|name| branch.column(name).unwrap());
+        for point in &branch.points {
+            let periods = point.value(f).unwrap() * point.value(period).unwrap();
+            assert!((periods - 1.0).abs() < 1e-12, "{start}: {periods} periods");
+        }
+    }
+}

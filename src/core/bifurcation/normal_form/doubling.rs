@@ -1,7 +1,7 @@
 //! Normal forms of period doublings.
 
 use super::forms::{Critical, Forms};
-use super::{NormalForm, criticality};
+use super::{NormalForm, Rate, criticality};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
@@ -32,8 +32,9 @@ pub(in crate::core::bifurcation) fn doubling(at: &mut At) -> Result<NormalForm, 
 }
 
 /// Computes only the cubic coefficient `c` of the normal form of a period doubling.
-pub(in crate::core::bifurcation) fn doubling_rate(at: &mut At) -> Result<f64, Failure> {
-    Ok(reduced(at)?.cubic)
+pub(in crate::core::bifurcation) fn doubling_rate(at: &mut At) -> Result<Rate, Failure> {
+    let Doubling { cubic, size, .. } = reduced(at)?;
+    Ok(Rate { value: cubic, size })
 }
 
 /// The third-order terms of the expansion of doubled orbits.

@@ -145,7 +145,21 @@ fn has_rates(at: &At) -> bool {
 ///
 /// # Errors
 /// The same errors as for [`ComputeNormalForm`].
-pub(crate) type ComputeRate = fn(&mut At) -> Result<f64, Failure>;
+pub(crate) type ComputeRate = fn(&mut At) -> Result<Rate, Failure>;
+
+/// The real part of the cubic coefficient of a normal form.
+pub(crate) struct Rate {
+    pub value: f64,
+    /// The sum of the sizes of the terms whose sum is the value.
+    pub size: f64,
+}
+
+impl Rate {
+    /// Whether the value is larger than its rounding errors.
+    pub fn has_sign(&self) -> bool {
+        self.value.abs() > DEGENERATE * self.size
+    }
+}
 
 /// Rounding: a cubic coefficient counts as zero if it is smaller than this threshold relative to
 /// the terms whose sum it is.
@@ -159,5 +173,5 @@ fn criticality(
     [supercritical, subcritical]: [&'static str; 2],
 ) -> Option<Case> {
     let word = if c < 0.0 { supercritical } else { subcritical };
-    (c.abs() > DEGENERATE * size).then_some(Case { word, decided_by: name })
+    Rate { value: c, size }.has_sign().then_some(Case { word, decided_by: name })
 }

@@ -1,7 +1,7 @@
 //! Normal forms of critical pairs: Hopf points of equilibria, and torus points of periodic orbits.
 
 use super::forms::{Forms, inner};
-use super::{NormalForm, criticality};
+use super::{NormalForm, Rate, criticality};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::system::Deviation;
@@ -99,10 +99,11 @@ pub(in crate::core::bifurcation) fn torus(at: &mut At) -> Result<NormalForm, Fai
 }
 
 /// Computes only `Re c₁` of a Hopf point or `Re d` of a torus point.
-pub(in crate::core::bifurcation) fn pair_rate(at: &mut At) -> Result<f64, Failure> {
+pub(in crate::core::bifurcation) fn pair_rate(at: &mut At) -> Result<Rate, Failure> {
     let Some(&omega) = at.held.first() else {
         return Err(Failure::Unsupported("no frequency is known".into()));
     };
-    let Pair { cubic, square, period, .. } = pair(at, omega)?;
-    Ok(cubic.re / (square * period))
+    let Pair { cubic, size, square, period, .. } = pair(at, omega)?;
+    let time = square * period;
+    Ok(Rate { value: cubic.re / time, size: size / time })
 }
