@@ -342,6 +342,12 @@ pub trait Discretised {
         false
     }
 
+    /// Returns the difference between the two halves of a periodic solution, at some phases and in units
+    /// of the states' scales; `None` if the solution cannot be divided into halves.
+    fn difference_of_halves(&mut self, _x: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
+
     /// Returns the unknowns of a saved solution, transferred to the present mesh. A periodic
     /// solution can begin at any phase. An autonomous solution is therefore shifted to the phase of
     /// the last accepted solution. For a solution that lasts several periods of a forcing, one

@@ -8,8 +8,9 @@ use crate::core::system::{Kind, System};
 const SAME_GRAZING: f64 = 1e-7;
 
 /// Returns whether two grazings on two branches are the same, by comparing the columns that both
-/// branches have. (At period doublings, the column `period` is not compared, because the periods
-/// differ.)
+/// branches have. Monitors that vanish on one of the branches are not compared: an approach speed
+/// vanishes only on the branch whose orbits have the event. (At period doublings, the column `period` is
+/// not compared, because the periods differ.)
 pub(super) fn is_one_grazing(
     (branch, special): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
@@ -18,6 +19,12 @@ pub(super) fn is_one_grazing(
         branch.columns_showing(column).first().and_then(|k| special.value(*k))
     };
     let doubles = special.kind == Kind::PD && there.kind == Kind::PD;
+    let error = ERRORS * (special.error + there.error);
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_GRAZING * a.abs().max(b.abs()) + error;
+    let mut parameters = special.parameters.iter().zip(&there.parameters);
+    if branch.parameters == other.parameters && !parameters.all(near) {
+        return false;
+    }
     branch.columns().filter(|column| !(doubles && *column == "period")).all(|column| {
         match (value(branch, column, special), value(other, column, there)) {
             (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME_GRAZING => {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use tangency::core::continuation::{Branch, Observer};
 use tangency::core::failure::one_line;
 use tangency::core::system::Kind;
-use tangency::scene::{Outcome, Scene, SceneObserver, execute};
+use tangency::scene::{Outcome, Scene, SceneObserver, execute, explore};
 
 /// What becomes of a problem and its runs.
 fn executed(problem: &str, runs: &str, observer: &mut dyn SceneObserver) -> Outcome {
@@ -299,4 +299,50 @@ fn branches_that_creep_name_the_segments() {
     assert!(creeps.warnings.iter().any(named), "{:?}", creeps.warnings);
     let whole = branch_of(DRILL, &run(8));
     assert!(whole.points.len() < 100 && whole.warnings.is_empty(), "{:?}", whole.warnings);
+}
+
+/// The cycles of a self-excited oscillator graze a stop where their phase begins. The grazing point was
+/// found at the beginning and again at the end of the orbit for some ranges of the parameter, and the
+/// branch of impacting orbits was lost.
+#[test]
+fn a_grazing_where_an_orbit_begins_is_a_single_grazing() {
+    let problem = r#"HybridEquations(
+        modes: [(name: "in", states: [("x", "v"), ("v", "(mu - 0.3 - 0.01*x^2)*v - x")])],
+        guards: [(name: "hit", modes: ["in"], function: "1 - x", reset: [("v", "-0.7*v")])],
+        parameters: [("mu", 0.1)], initial: [("x", 0.5)])"#;
+    for high in [0.918, 0.9, 0.85, 0.77, 0.69, 0.6] {
+        let along = format!("along: [(name: \"mu\", low: 0.05, high: {high})]");
+        let runs = format!(
+            "(name: \"rest\", set: [(\"solution\", \"equilibrium\")], {along}),
+             (name: \"cycles\", start: From(run: \"rest\", kind: HB, switch: true), {along}),
+             (name: \"impacts\", start: From(run: \"cycles\", kind: G, switch: true), {along})"
+        );
+        let outcome = executed(problem, &runs, &mut ());
+        assert!(outcome.error.is_none(), "{high}: {:?}", outcome.error);
+        let impacts = &outcome.document.branches[2];
+        assert_eq!(impacts.itinerary, "in:hit", "{high}");
+        let values: Vec<f64> = impacts.points.iter().map(|point| point.parameters[0]).collect();
+        let reaches = |mu: f64| values.iter().any(|value| (value - mu).abs() < 1e-8);
+        assert!(reaches(high) && reaches(0.3025), "{high}: {:?}", impacts.ends);
+    }
+}
+
+/// The states of rest end at `mu = 0`, where all their columns vanish: they are not the grazing of the cycles.
+#[test]
+fn a_grazing_is_told_from_an_end_where_all_columns_vanish() {
+    let problem = r#"HybridEquations(
+        states: [("x", "v"), ("v", "(mu - 0.3 - 0.01*x^2)*v - x - d")],
+        modes: [(name: "in", definitions: [("d", "0")]), (name: "right", definitions: [("d", "(1 + v)*(x - 1)")])],
+        guards: [
+            (name: "hit", modes: ["in"], function: "1 - x", next: "right"),
+            (name: "off", modes: ["right"], function: "x - 1", next: "in"),
+        ],
+        parameters: [("mu", 0.1)], initial: [("x", 0.5)])"#;
+    let runs = r#"(name: "rest", set: [("solution", "equilibrium")], along: [(name: "mu", low: 0, high: 0.5)])"#;
+    let text = format!("Scene(title: \"t\", problem: {problem}, runs: [{runs}])");
+    let (_, outcome) = explore(&Scene::parse(&text).unwrap(), 2, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let impacts = outcome.document.branches.iter().find(|branch| branch.name == "rest-HB-G");
+    let impacts = impacts.expect("the branch of impacting cycles");
+    assert!(impacts.points.iter().any(|point| (point.parameters[0] - 0.5).abs() < 1e-12));
 }

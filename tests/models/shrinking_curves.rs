@@ -84,3 +84,56 @@ fn folds_end_at_a_generalised_hopf_point() {
         assert_ends(&curve, Kind::GH, [0.0, 1.0], tolerance);
     }
 }
+
+/// Asserts that a curve ends at two points of a kind, where the halves of its doubled orbits coincide.
+fn assert_halves_coincide(curve: &Branch, kind: Kind, parameters: [[f64; 2]; 2]) {
+    let kinds: Vec<Kind> = curve.special.iter().map(|point| point.kind).collect();
+    assert_eq!(kinds, [kind; 2], "{:?}", curve.ends);
+    let mut found: Vec<&[f64]> = curve.special.iter().map(|it| &it.parameters[..2]).collect();
+    found.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
+    for (found, exact) in found.into_iter().zip(parameters) {
+        close(found[0], exact[0], 1e-8);
+        close(found[1], exact[1], 1e-8);
+    }
+    assert!(curve.special.iter().all(|point| point.converged));
+}
+
+/// The 2-cycles `x, −x` with `m = C x² + x⁴` and `C = p² − 1/4` have folds at `m = −C²/4`, for `|p| < 1/2`.
+#[test]
+fn folds_of_doubled_orbits_end_at_a_generalised_period_doubling() {
+    let both = r#"along: [(name: "m", low: -0.9, high: 0.9), (name: "p", low: -1, high: 1)]"#;
+    let curve = traced(&format!(
+        r#"Scene(title: "t", problem: Map(states: [("x", "-(1+m)*x + (p^2-0.25)*x^3 + x^5")], initial: [("x", 0)]),
+        parameters: [("m", -0.5), ("p", 0.3)], runs: [
+            (name: "rest", along: [(name: "m", low: -0.9, high: 0.9)]),
+            (name: "doubled", start: From(run: "rest", kind: PD, switch: true), along: [(name: "m", low: -0.9, high: 0.9)]),
+            (name: "folds", hold: LP, start: From(run: "doubled", kind: LP), {both})])"#
+    ))
+    .remove(2);
+    assert_halves_coincide(&curve, Kind::GPD, [[0.0, -0.5], [0.0, 0.5]]);
+}
+
+/// The 2-cycles have `x² = m (1 − m)`. Their torus points are at `p = m (1 − m)`.
+#[test]
+fn torus_points_of_doubled_orbits_end_at_a_flip_torus_point() {
+    let both = r#"along: [(name: "m", low: -0.9, high: 1.9), (name: "p", low: -1, high: 1)]"#;
+    let pair = |u: &str, v: &str| {
+        format!(
+            "(1 + p - x^2 - u^2 - v^2)*(cos(theta)*{u} {} sin(theta)*{v})",
+            if u == "u" { "-" } else { "+" }
+        )
+    };
+    let curve = traced(&format!(
+        r#"Scene(title: "t", problem: Map(
+            states: [("x", "-(1 + m*(1-m))*x + x^3"), ("u", "{}"), ("v", "{}")],
+            initial: [("x", 0), ("u", 0), ("v", 0)]),
+        parameters: [("m", -0.5), ("p", 0.1), ("theta", 1)], runs: [
+            (name: "rest", along: [(name: "m", low: -0.9, high: 0.5)]),
+            (name: "doubled", start: From(run: "rest", kind: PD, switch: true), along: [(name: "m", low: -0.9, high: 0.5)]),
+            (name: "tori", hold: TR, start: From(run: "doubled", kind: TR), {both})])"#,
+        pair("u", "v"),
+        pair("v", "u")
+    ))
+    .remove(2);
+    assert_halves_coincide(&curve, Kind::PDNS, [[0.0, 0.0], [1.0, 0.0]]);
+}

@@ -11,7 +11,9 @@ use super::hopf::{Hopf, UnstablePairs};
 use super::normal_form::{self, ComputeDivision, ComputeNormalForm};
 use super::resonance::Resonance;
 use super::stability::Critical;
-use super::test_function::{Amplitude, Auxiliary, ConditionValue, Criticality, TestFunction};
+use super::test_function::{
+    Alternation, Amplitude, Auxiliary, ConditionValue, Criticality, TestFunction,
+};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 use serde::de::{Error, Visitor};
@@ -165,6 +167,7 @@ const GRAZINGS: &[Kind] = &[Kind::G];
 const CONDITION: MakeTest = || Arc::new(ConditionValue);
 const PAIRS: MakeTest = || Arc::new(UnstablePairs);
 const AMPLITUDE: MakeTest = || Arc::new(Amplitude);
+const ALTERNATION: MakeTest = || Arc::new(Alternation::default());
 
 const FOLD: Make = |_| Box::new(Fold::default());
 const FLIP: Make = |_| Box::new(Fold::period_doubling());
@@ -367,10 +370,17 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         Kind::GPD,
         Critical::None,
         Some(normal_form::generalised_doubling),
-        &[bracketed(DOUBLINGS, Orbits, "generalised period doubling", || {
-            Arc::new(Criticality(normal_form::doubling_rate))
-        })
-        .leading_to(FOLDS)],
+        &[
+            bracketed(DOUBLINGS, Orbits, "generalised period doubling", || {
+                Arc::new(Criticality(normal_form::doubling_rate))
+            })
+            .leading_to(FOLDS),
+            mirror(
+                FOLDS,
+                "generalised period doubling: the doubled orbits shrink onto orbits of half the period",
+                ALTERNATION,
+            ),
+        ],
     ),
     row(
         Kind::CH,
@@ -405,6 +415,11 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         &[
             seen(DOUBLINGS, Orbits, "flip–torus point", PAIRS, TORUS).leading_to(TORI),
             seen(TORI, Orbits, "flip–torus point", CONDITION, FLIP).leading_to(DOUBLINGS),
+            mirror(
+                TORI,
+                "flip–torus point: the doubled orbits shrink onto orbits of half the period",
+                ALTERNATION,
+            ),
         ],
     ),
     row(

@@ -4,7 +4,9 @@ use super::at::{At, Quantity};
 use super::normal_form::ComputeRate;
 use super::stability::Stability;
 use crate::core::failure::Failure;
+use crate::core::linalg::dot;
 use crate::core::problem::Dynamics;
+use std::sync::{Mutex, PoisonError};
 
 /// The data at a point of a curve that test functions use in addition to the system and `x`.
 #[derive(Clone, Copy, Default)]
@@ -248,6 +250,32 @@ pub(super) struct Amplitude;
 impl TestFunction for Amplitude {
     fn value(&self, at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
         Ok(at.system.traits(at.x).amplitude)
+    }
+
+    fn smooth(&self, _: &Reading, _: &[(f64, f64)], _: Dynamics) -> Option<f64> {
+        None
+    }
+}
+
+/// The test function of doubled orbits that shrink onto orbits of half the period: the size of the
+/// difference between the two halves, with the opposite sign once the halves have changed places. The test
+/// function remembers the last difference, since signs are followed along the curve.
+#[derive(Default)]
+pub(super) struct Alternation(Mutex<Vec<f64>>);
+
+impl TestFunction for Alternation {
+    fn value(&self, at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
+        let solutions = at.system.discretised();
+        let Some(own) = solutions.and_then(|it| it.difference_of_halves(at.x)) else {
+            return Ok(None);
+        };
+        let mut last = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let size = dot(&own, &own).sqrt();
+        if last.len() == own.len() && dot(&last, &own) < 0.0 {
+            return Ok(Some(-size));
+        }
+        *last = own;
+        Ok(Some(size))
     }
 
     fn smooth(&self, _: &Reading, _: &[(f64, f64)], _: Dynamics) -> Option<f64> {

@@ -2,6 +2,7 @@
 
 use super::admissible::{AT_LIMIT, stays_at_limit};
 use super::bounds::{AT_START, Bounds};
+use super::corrector::Corrector;
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::event::Event;
@@ -93,7 +94,7 @@ pub(super) fn events_between(
         let noise = is_noise(interval, &located, flat);
         let stays = stays_at_one(dynamics, interval, &located);
         let at_end = is_double_value(locator.curve, interval, &located)
-            || is_resonance(locator.curve, &located);
+            || is_other_end(locator.curve, from, &located);
         if at_end || unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
             continue;
         }
@@ -105,7 +106,7 @@ pub(super) fn events_between(
             found.push(located);
         }
     }
-    drop_at_mirror(locator.curve, &mut found);
+    drop_at_mirror(locator.curve, from, &mut found);
     found.sort_by(|a, b| a.along.total_cmp(&b.along));
     found
 }
@@ -118,21 +119,19 @@ const AT_MIRROR: f64 = 0.3;
 /// Removes the bifurcations at a point where a curve of special points is its own mirror image: the
 /// defining systems of all bifurcations are singular at the point, where the test function of the point
 /// itself vanishes.
-fn drop_at_mirror(curve: &mut Curve, found: &mut Vec<Located>) {
+fn drop_at_mirror(curve: &mut Curve, from: &CurvePoint, found: &mut Vec<Located>) {
     let Curve { corrector, detector, .. } = curve;
     if corrector.equations.conditions.is_empty() {
         return;
     }
     let events = &detector.events;
     let mirror = |it: &Located| it.event.map(|index| &events[index]).filter(|event| event.mirror);
-    let Some(test) = found.iter().find_map(|it| mirror(it)).map(|event| event.test.clone()) else {
-        return;
-    };
+    let Some(end) = found.iter().find_map(mirror) else { return };
     let is_level = |it: &Located| it.event.is_none_or(|index| events[index].test.level().is_some());
+    let whole = value_of(corrector, end, &from.unknowns);
     let mut is_at_mirror = |it: &Located| {
-        corrector.equations.load(&it.unknowns);
-        let value = test.value(&mut corrector.equations.at(), &PointValues::default());
-        value.ok().flatten().is_none_or(|value| value.abs() < AT_MIRROR)
+        let here = value_of(corrector, end, &it.unknowns);
+        here.zip(whole).is_none_or(|(here, whole)| here < AT_MIRROR * whole)
     };
     found.retain(|it| {
         mirror(it).is_some() || is_level(it) || it.special.converged && !is_at_mirror(it)
@@ -234,8 +233,8 @@ fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &
     let is_mirror = it.event.is_some_and(|index| detector.events[index].mirror);
     let is_end = |event: &Event| match (it.special.kind, is_mirror) {
         (Kind::ZH | Kind::LPNS | Kind::PDNS, false) => event.terminal,
-        // The angle of the critical pair vanishes with the amplitude: the point is a fold–Hopf point.
-        (Kind::HH, true) => event.mirror,
+        // The angle of the critical pair vanishes with the amplitude, as at a fold–Hopf point.
+        (Kind::HH | Kind::PDNS, true) => event.mirror,
         _ => false,
     };
     let held = corrector.equations.at().held;
@@ -247,16 +246,35 @@ fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &
     })
 }
 
-/// Whether the cycles at an apparent fold–Hopf point on a curve of torus points do not shrink. The angle
-/// of the critical pair also vanishes at a resonance 1:1.
-fn is_resonance(curve: &mut Curve, it: &Located) -> bool {
+/// Whether an apparent end of a curve, at which its cycles shrink, is another point: at a resonance 1:1,
+/// the angle of torus points vanishes, but not the amplitude; at a Hopf point, the difference between the
+/// halves of a cycle vanishes with the amplitude.
+fn is_other_end(curve: &mut Curve, from: &CurvePoint, it: &Located) -> bool {
     let Curve { corrector, detector, .. } = curve;
-    let is_mirror = it.event.is_some_and(|index| detector.events[index].mirror);
-    it.special.kind == Kind::ZH && is_mirror && {
-        corrector.equations.load(&it.unknowns);
-        let At { system, x, .. } = corrector.equations.at();
-        system.traits(x).amplitude.is_none_or(|amplitude| amplitude.abs() > AT_MIRROR)
+    let Some(event) = it.event.map(|index| &detector.events[index]).filter(|event| event.mirror)
+    else {
+        return false;
+    };
+    corrector.equations.load(&it.unknowns);
+    let At { system, x, .. } = corrector.equations.at();
+    let amplitude = system.traits(x).amplitude;
+    let shrinks = amplitude.is_some_and(|amplitude| amplitude.abs() <= AT_MIRROR);
+    match it.special.kind {
+        Kind::ZH => !shrinks,
+        Kind::GPD | Kind::PDNS => {
+            let places = [&it.unknowns, &from.unknowns];
+            let [here, whole] = places.map(|unknowns| value_of(corrector, event, unknowns));
+            shrinks || here.zip(whole).is_none_or(|(here, whole)| here > AT_MIRROR * whole)
+        }
+        _ => false,
     }
+}
+
+/// Returns the absolute value of an event's test function at a point.
+fn value_of(corrector: &mut Corrector, event: &Event, unknowns: &[f64]) -> Option<f64> {
+    corrector.equations.load(unknowns);
+    let value = event.test.value(&mut corrector.equations.at(), &PointValues::default());
+    value.ok().flatten().map(f64::abs)
 }
 
 /// Heuristic: two events count as the same point if their distance is smaller than this fraction of

@@ -120,7 +120,7 @@ pub enum HybridError {
          intervals that shrink by {ratio:.4}, the last one of {interval:.1e}"
     )]
     #[diagnostic(help(
-        "name the mode that follows the accumulation of events (`Guard::accumulating_to`)"
+        "name the mode that follows the accumulation of events (`accumulates_to`, in Rust `Guard::accumulating_to`)"
     ))]
     Accumulation {
         /// The time of the accumulation.

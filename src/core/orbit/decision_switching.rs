@@ -167,7 +167,7 @@ fn check_continuous(
     Err(Failure::Undetermined(format!(
         "on the other side of the decision, leg {leg} leads through `{}` to `{}` with {} = {:.6e} \
          instead of {:.6e}: no branch of nearby orbits exists; start the branch from a simulated cycle \
-         (`orbit::from_cycle`)",
+         (`start: Simulated()`, in Rust `orbit::from_cycle`)",
         modes[other].name, modes[mode].name, names[k], state[k], known[k]
     )))
 }

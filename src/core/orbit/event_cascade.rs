@@ -70,7 +70,7 @@ impl Onset {
         self.following_until(orbits, |mode, _| mode == until, p).ok_or_else(|| {
             Failure::Undetermined(format!(
                 "after the event `{name}`, the motion does not return to mode `{}` immediately: \
-                 start the branch from a simulated cycle (`orbit::from_cycle`)",
+                 start the branch from a simulated cycle (`start: Simulated()`, in Rust `orbit::from_cycle`)",
                 orbits.modes[until].name
             ))
         })
@@ -225,7 +225,7 @@ pub(in crate::core) fn check_unmoved(
     Err(Failure::Undetermined(format!(
         "at the grazing point, the reset of the event {} changes {} from {:.6e} to {:.6e}, so \
          orbits with the event are not close to orbits without the event; start a branch of orbits \
-         with the event from a simulated cycle (`orbit::from_cycle`)",
+         with the event from a simulated cycle (`start: Simulated()`, in Rust `orbit::from_cycle`)",
         orbits.guards[guard].name, orbits.modes[mode].states[i], before[i], after[i]
     )))
 }

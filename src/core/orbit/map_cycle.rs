@@ -578,6 +578,12 @@ impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
         Some(Box::new(MapCycle::shared(self.equations.map.clone(), self.equations.count)))
     }
 
+    fn difference_of_halves(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        let (count, n) = (self.equations.count, self.names.dimension());
+        let halves = x[..n].chunks_exact(count).map(|state| state.split_at(count / 2));
+        count.is_multiple_of(2).then(|| halves.flat_map(|(a, b)| difference(a, b)).collect())
+    }
+
     fn repeats(&mut self, x: &[f64], beside: &[f64]) -> bool {
         let (count, n) = (self.equations.count, self.names.dimension());
         let differences = |x: &[f64]| -> Vec<f64> {

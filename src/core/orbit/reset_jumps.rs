@@ -41,7 +41,7 @@ pub(super) fn check_resets(orbit: &KnownOrbit) -> Result<(), Failure> {
             if let Some(jump) = jump_of_reset(orbit.legs, (leg, guard), beside) {
                 return Err(Failure::Undetermined(format!(
                     "{jump}: the orbits on the two sides of the jump are not connected; start the \
-                     branch on the other side from a simulated cycle (`orbit::from_cycle`)"
+                     branch on the other side from a simulated cycle (`start: Simulated()`, in Rust `orbit::from_cycle`)"
                 )));
             }
         }

@@ -86,17 +86,24 @@ fn minima(
     }
     if let (true, Some(end)) = (orbit.legs.layout.smooth, ends().next()) {
         // The end coincides with the beginning, where there may be an extremum, too.
-        let again = search(0.0, end, motion.start(), 1)?;
-        let near = VANISHES * duration;
-        let known = |since: f64| {
-            let same = |(other, _): &(f64, f64)| {
-                let apart = (since - other).abs();
-                apart.min(duration - apart) <= near
-            };
-            all.iter().any(same)
-        };
-        let new: Vec<_> = again.into_iter().filter(|(since, _)| !known(*since)).collect();
-        all.splice(0..0, new);
+        all.extend(search(0.0, end, motion.start(), 1)?);
+        all = distinct(all, duration);
     }
     Ok(all)
+}
+
+/// Returns the points of a closed orbit without their repetitions: an extremum at the beginning of the
+/// orbit can also be found at the end, because the orbit is closed only up to its errors.
+fn distinct(all: Vec<(f64, f64)>, duration: f64) -> Vec<(f64, f64)> {
+    let mut kept = Vec::<(f64, f64)>::new();
+    for (since, value) in all {
+        let is_same = |(other, _): &(f64, f64)| {
+            let apart = (since - other).abs();
+            apart.min(duration - apart) <= VANISHES * duration
+        };
+        if !kept.iter().any(is_same) {
+            kept.push((since, value));
+        }
+    }
+    kept
 }

@@ -151,7 +151,7 @@ fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fail
         "an event at a given time is simultaneous with another event, and their order determines \
          the state of the motion after the two events: the orbits on the two sides of this point \
          are not connected; start the branch on the other side from a simulated cycle \
-         (`orbit::from_cycle`)"
+         (`start: Simulated()`, in Rust `orbit::from_cycle`)"
             .into(),
     ))
 }

@@ -12,7 +12,8 @@ use faer::c64;
 struct Pair {
     /// The coefficient of `ξ |ξ|²` in the rate of `ξ`.
     cubic: c64,
-    /// The sum of the sizes of the terms of `Re cubic`.
+    /// The sum of the moduli of the terms of `cubic`: in conservative systems, the real part of each term
+    /// may vanish.
     size: f64,
     /// The integral over the period of the squared norm `⟨q, q⟩` of the eigenvector `q`.
     square: f64,
@@ -57,7 +58,7 @@ fn pair(at: &mut At, omega: f64) -> Result<Pair, Failure> {
     let Deviation { square, period, .. } = forms.deviation(&[&u, &v], omega)?;
     Ok(Pair {
         cubic: terms.iter().sum(),
-        size: terms.iter().map(|term| term.re.abs()).sum(),
+        size: terms.iter().map(|term| term.norm()).sum(),
         square,
         period,
         omega,

@@ -47,7 +47,7 @@ impl Meshed {
         directions: &mut [&mut Vec<f64>],
         target: f64,
     ) -> bool {
-        let Some(meshes) = self.fitting_meshes(x, target) else { return false };
+        let Some(meshes) = fitting_meshes(self, x, target) else { return false };
         let Solutions { equations, phase, .. } = &self.solutions;
         let Ok(other) = equations.on(meshes) else { return false };
         let given = std::iter::once(&*x).chain(directions.iter().map(|d| &**d));
@@ -79,41 +79,40 @@ impl Meshed {
         given.zip(vectors).for_each(|(vector, new)| *vector = new);
         true
     }
+}
 
-    /// Returns the meshes that a solution needs; `None` if the current numbers of intervals are
-    /// right.
-    pub fn fitting_meshes(&mut self, x: &[f64], target: f64) -> Option<Vec<Mesh>> {
-        if self.solutions.equations.method.error_constant().is_none() {
-            return divided_meshes(self, target);
-        }
-        self.solutions.load(x);
-        let Solutions { equations, monitors, plain, .. } = &mut self.solutions;
-        let worst = monitors.mesh_error.largest(equations, &plain.nodes, &plain.numbers)?;
-        let mut all = equations.meshes.iter().zip(&self.least);
-        let mut changed = self.followed == 0
-            && worst.error > DOUBTFUL * target
-            && equations.meshes.iter().all(Mesh::is_uniform);
-        if worst.error <= target && !changed && all.all(|(mesh, least)| mesh.intervals() <= *least)
-        {
-            return None;
-        }
-        let count = |segment: usize, now: usize, density: &[f64]| {
-            let needed = intervals_for(equations, segment, density, target);
-            if worst.error <= target {
-                return fewer(now, self.least[segment], needed);
-            }
-            let far = worst.segment == segment && worst.error > FAR * target;
-            more(now, needed, far)
-        };
-        let mut meshes = Vec::new();
-        for (segment, mesh) in equations.meshes.iter().enumerate() {
-            let density = monitors.mesh_error.density(equations, segment, plain);
-            let count = count(segment, mesh.intervals(), &density);
-            changed |= count != mesh.intervals();
-            meshes.push(mesh.equidistributed(&density, count));
-        }
-        changed.then_some(meshes)
+/// Returns the meshes that a solution needs; `None` if the current numbers of intervals are
+/// right.
+pub(super) fn fitting_meshes(meshed: &mut Meshed, x: &[f64], target: f64) -> Option<Vec<Mesh>> {
+    if meshed.solutions.equations.method.error_constant().is_none() {
+        return divided_meshes(meshed, target);
     }
+    meshed.solutions.load(x);
+    let Solutions { equations, monitors, plain, .. } = &mut meshed.solutions;
+    let worst = monitors.mesh_error.largest(equations, &plain.nodes, &plain.numbers)?;
+    let mut all = equations.meshes.iter().zip(&meshed.least);
+    let mut changed = meshed.followed == 0
+        && worst.error > DOUBTFUL * target
+        && equations.meshes.iter().all(Mesh::is_uniform);
+    if worst.error <= target && !changed && all.all(|(mesh, least)| mesh.intervals() <= *least) {
+        return None;
+    }
+    let count = |segment: usize, now: usize, density: &[f64]| {
+        let needed = intervals_for(equations, segment, density, target);
+        if worst.error <= target {
+            return fewer(now, meshed.least[segment], needed);
+        }
+        let far = worst.segment == segment && worst.error > FAR * target;
+        more(now, needed, far)
+    };
+    let mut meshes = Vec::new();
+    for (segment, mesh) in equations.meshes.iter().enumerate() {
+        let density = monitors.mesh_error.density(equations, segment, plain);
+        let count = count(segment, mesh.intervals(), &density);
+        changed |= count != mesh.intervals();
+        meshes.push(mesh.equidistributed(&density, count));
+    }
+    changed.then_some(meshes)
 }
 
 /// Heuristic: if deviations grow over an interval by at most this factor, halving the interval does

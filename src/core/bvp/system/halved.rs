@@ -11,6 +11,10 @@ use crate::core::system::Solution;
 /// Heuristic: the number of phases at which the two halves of a solution are compared.
 const PHASES: usize = 64;
 
+/// Heuristic: the number of phases at which the difference between the halves is computed, where only its
+/// size and direction matter.
+const FEW: usize = 8;
+
 /// Discretisation: the two halves of a solution count as equal if their difference, relative to the
 /// solution's size, is smaller than this bound; both halves have errors of the same mesh.
 const REPEATS: f64 = 1e-6;
@@ -36,37 +40,13 @@ pub(super) struct Halves {
 impl Halves {
     /// Compares the halves of a solution; `None` if the solution cannot be divided into halves.
     pub fn of(solutions: &mut Solutions, x: &[f64]) -> Option<Self> {
-        let segments = solutions.equations.layout.segments.len();
-        let single = segments == 1;
-        let divided = segments.is_multiple_of(2) && rotates_by_half(&solutions.equations, x);
-        if !(single || divided) {
-            return None;
-        }
-        let end = solutions.equations.meshes[0].end();
         let (mut size, mut miss) = (0.0_f64, 0.0_f64);
-        let most = solutions.equations.layout.states;
-        let mut halves = [vec![0.0; most], vec![0.0; most]];
-        solutions.load(x);
-        for k in 0..PHASES {
-            let tau = k as f64 / PHASES as f64;
-            let (first, second) = match single {
-                true => ((0, 0.5 * tau * end), (0, 0.5 * (1.0 + tau) * end)),
-                false => {
-                    let segment = k * (segments / 2) / PHASES;
-                    ((segment, tau), (segment + segments / 2, tau))
-                }
-            };
-            for ((segment, tau), out) in [first, second].into_iter().zip(&mut halves) {
-                let states = solutions.equations.layout.segments[segment].states;
-                let out = &mut out[..states];
-                solutions.equations.value(&mut solutions.plain, segment, tau, out).ok()?;
-            }
-            for (a, b) in halves[0].iter().zip(&halves[1]) {
-                size = size.max(a.abs());
-                miss = miss.max((a - b).abs());
-            }
-        }
-        let several = !single || end >= 2.0;
+        visit((solutions, x), PHASES, |_, a, b| {
+            size = size.max(largest(a));
+            miss = a.iter().zip(b).fold(miss, |miss, (a, b)| miss.max((a - b).abs()));
+        })?;
+        let (layout, end) = (&solutions.equations.layout, solutions.equations.meshes[0].end());
+        let several = layout.segments.len() > 1 || end >= 2.0;
         Some(Halves { miss, size, error: MESH * solutions.mesh_error(x), several })
     }
 
@@ -77,6 +57,56 @@ impl Halves {
         let reach = if self.several { reach } else { 0.0 };
         self.miss <= REPEATS.max(self.error) * self.size.max(reach)
     }
+}
+
+/// Returns the difference between the halves of a solution, in units of the states' scales; `None` if the
+/// solution cannot be divided into halves.
+pub(super) fn difference(solutions: &mut Solutions, x: &[f64]) -> Option<Vec<f64>> {
+    let layout = &solutions.equations.layout;
+    let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
+    let problem = solutions.equations.problem.clone();
+    let mut all = Vec::new();
+    visit((solutions, x), FEW, |segment, a, b| {
+        let mut units = problem.scales(segment, &q);
+        units.resize(a.len(), 1.0);
+        all.extend(a.iter().zip(b).zip(units).map(|((a, b), unit)| (a - b) / unit));
+    })?;
+    Some(all)
+}
+
+/// Visits the states of both halves of a solution, and their segment in the first half, at a number of
+/// phases; `None` if the solution cannot be divided into halves.
+fn visit(
+    (solutions, x): (&mut Solutions, &[f64]),
+    phases: usize,
+    mut visitor: impl FnMut(usize, &[f64], &[f64]),
+) -> Option<()> {
+    let segments = solutions.equations.layout.segments.len();
+    let single = segments == 1;
+    let divided = segments.is_multiple_of(2) && rotates_by_half(&solutions.equations, x);
+    if !(single || divided) {
+        return None;
+    }
+    let end = solutions.equations.meshes[0].end();
+    solutions.load(x);
+    for k in 0..phases {
+        let tau = k as f64 / phases as f64;
+        let (first, second) = match single {
+            true => ((0, 0.5 * tau * end), (0, 0.5 * (1.0 + tau) * end)),
+            false => {
+                let segment = k * (segments / 2) / phases;
+                ((segment, tau), (segment + segments / 2, tau))
+            }
+        };
+        let mut at = |(segment, tau): (usize, f64)| {
+            let mut out = vec![0.0; solutions.equations.layout.segments[segment].states];
+            solutions.equations.value(&mut solutions.plain, segment, tau, &mut out).ok()?;
+            Some(out)
+        };
+        let halves = [at(first)?, at(second)?];
+        visitor(first.0, &halves[0], &halves[1]);
+    }
+    Some(())
 }
 
 /// Whether a solution with an even number of segments can begin with the first segment of its

@@ -3,7 +3,8 @@
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
-use super::halved::Halves;
+use super::fitting::fitting_meshes;
+use super::halved::{Halves, difference};
 use super::homoclinic::homoclinic;
 use super::local::{Arguments, Slope};
 use super::meshed::{MOST_INTERVALS, Meshed};
@@ -86,6 +87,10 @@ impl Discretised for Meshed {
             .is_some_and(|(here, there)| here.are_equal(there.size) && !there.are_equal(0.0))
     }
 
+    fn difference_of_halves(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        difference(&mut self.solutions, x)
+    }
+
     fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         self.solutions.images(solution, near)
     }
@@ -127,7 +132,7 @@ impl Discretised for Meshed {
     }
 
     fn needs_fit(&mut self, x: &[f64], target: f64) -> bool {
-        self.fitting_meshes(x, target).is_some()
+        fitting_meshes(self, x, target).is_some()
     }
 
     fn fit(&mut self, x: &mut Vec<f64>, directions: &mut [&mut Vec<f64>], target: f64) -> bool {
