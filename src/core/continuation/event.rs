@@ -1,10 +1,11 @@
 //! Events: points that are detected and located along a branch.
 
+use super::extended::Extended;
 use super::function::{DualFunction, Equation, OfPoint, TestPoint};
 use crate::core::bifurcation::catalogue::{Beyond, Bifurcation, Make, Sighting};
 use crate::core::bifurcation::{
     At, ComputeNormalForm, ConditionValue, Critical, DefiningSystem, Excess, Level, Needs,
-    OrderOfEvents, Passage, Quantity, Reading, TestFunction, catalogue,
+    OrderOfEvents, Passage, PointValues, Quantity, Reading, TestFunction, catalogue,
 };
 use crate::core::failure::Failure;
 use crate::core::scalar::Chunk;
@@ -145,6 +146,12 @@ impl Event {
             critical: if mirror { Critical::One } else { row.critical },
             ..Self::without_condition(seen.name, row.kind, (seen.test)())
         }
+    }
+
+    /// Returns the value of the test function at a point of the curve; `None` if the value is undefined.
+    pub(super) fn value_at(&self, equations: &mut Extended, unknowns: &[f64]) -> Option<f64> {
+        equations.load(unknowns);
+        self.test.value(&mut equations.at(), &PointValues::default()).ok()?
     }
 
     /// Creates the event at which a parameter or monitor takes a given level, with the kind `UZ`.

@@ -2,14 +2,13 @@
 
 use super::admissible::{AT_LIMIT, stays_at_limit};
 use super::bounds::{AT_START, Bounds};
-use super::corrector::Corrector;
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 use super::log::Log;
-use crate::core::bifurcation::{At, Critical, PointValues};
+use crate::core::bifurcation::{At, Critical};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
@@ -113,7 +112,7 @@ pub(super) fn events_between(
 
 /// Heuristic: a bifurcation counts as the point where a curve is its own mirror image if the test function
 /// of this point is smaller than this fraction of its value at the beginning of the step. A pair of
-/// bifurcations, one on each side of the point, changes no sign between the ends of the step.
+/// bifurcations, one on each side of the point, does not change the signs at the ends of the step.
 const AT_MIRROR: f64 = 0.3;
 
 /// Removes the bifurcations at a point where a curve of special points is its own mirror image: the
@@ -128,10 +127,10 @@ fn drop_at_mirror(curve: &mut Curve, from: &CurvePoint, found: &mut Vec<Located>
     let mirror = |it: &Located| it.event.map(|index| &events[index]).filter(|event| event.mirror);
     let Some(end) = found.iter().find_map(mirror) else { return };
     let is_level = |it: &Located| it.event.is_none_or(|index| events[index].test.level().is_some());
-    let whole = value_of(corrector, end, &from.unknowns);
+    let whole = end.value_at(&mut corrector.equations, &from.unknowns);
     let mut is_at_mirror = |it: &Located| {
-        let here = value_of(corrector, end, &it.unknowns);
-        here.zip(whole).is_none_or(|(here, whole)| here < AT_MIRROR * whole)
+        let here = end.value_at(&mut corrector.equations, &it.unknowns);
+        here.zip(whole).is_none_or(|(here, whole)| here.abs() < AT_MIRROR * whole.abs())
     };
     found.retain(|it| {
         mirror(it).is_some() || is_level(it) || it.special.converged && !is_at_mirror(it)
@@ -263,18 +262,13 @@ fn is_other_end(curve: &mut Curve, from: &CurvePoint, it: &Located) -> bool {
         Kind::ZH => !shrinks,
         Kind::GPD | Kind::PDNS => {
             let places = [&it.unknowns, &from.unknowns];
-            let [here, whole] = places.map(|unknowns| value_of(corrector, event, unknowns));
-            shrinks || here.zip(whole).is_none_or(|(here, whole)| here > AT_MIRROR * whole)
+            let [here, whole] =
+                places.map(|unknowns| event.value_at(&mut corrector.equations, unknowns));
+            shrinks
+                || here.zip(whole).is_none_or(|(here, whole)| here.abs() > AT_MIRROR * whole.abs())
         }
         _ => false,
     }
-}
-
-/// Returns the absolute value of an event's test function at a point.
-fn value_of(corrector: &mut Corrector, event: &Event, unknowns: &[f64]) -> Option<f64> {
-    corrector.equations.load(unknowns);
-    let value = event.test.value(&mut corrector.equations.at(), &PointValues::default());
-    value.ok().flatten().map(f64::abs)
 }
 
 /// Heuristic: two events count as the same point if their distance is smaller than this fraction of

@@ -7,7 +7,6 @@ use super::cluster::interpolated;
 use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
-use crate::core::bifurcation::{PointValues, TestFunction};
 
 /// The values of the test function at which the curve is sampled, as fractions of the test
 /// function's value at the beginning of the step. The samples approach the end of the curve as
@@ -58,17 +57,18 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
 /// Returns the position at which the linearly interpolated test function vanishes, and points of
 /// the curve increasingly close to this position.
 fn sampled(locator: &mut Locator, event: &Event) -> Option<(f64, Vec<Sample>)> {
-    let (interval, test) = (locator.interval, &*event.test);
+    let interval = locator.interval;
     let [start, end] = [interval.from, interval.to].map(|end| &end.unknowns[..]);
     let holds = !locator.curve.corrector.equations.conditions.is_empty();
-    let before = value(locator, test, start)?;
-    let after = value(locator, test, end)?;
+    let before = event.value_at(&mut locator.curve.corrector.equations, start)?;
+    let after = event.value_at(&mut locator.curve.corrector.equations, end)?;
     let root = interval.length * before / (before - after);
     let mut sample = |share: f64| {
         let along = root * (1.0 - share);
         let guess = interval.cubic(&locator.row, along);
         let (unknowns, _) = locator.corrected(guess, along).ok()?;
-        Some((value(locator, test, &unknowns)?, unknowns))
+        let value = event.value_at(&mut locator.curve.corrector.equations, &unknowns)?;
+        Some((value, unknowns))
     };
     let mut samples: Vec<Sample> =
         if holds { EARLIER.into_iter().filter_map(&mut sample).collect() } else { Vec::new() };
@@ -95,12 +95,4 @@ fn at_zero(samples: &[Sample], i: usize) -> (f64, f64) {
     };
     let (even, smooth) = (of_power(2), of_power(1));
     if smooth.1 < even.1 { smooth } else { even }
-}
-
-/// Returns the value, at a point, of the test function that changes sign at the curve's plane of
-/// symmetry; on the two sides of this plane, the curve is its own mirror image.
-fn value(locator: &mut Locator, test: &dyn TestFunction, unknowns: &[f64]) -> Option<f64> {
-    let equations = &mut locator.curve.corrector.equations;
-    equations.load(unknowns);
-    test.value(&mut equations.at(), &PointValues::default()).ok()?
 }
